@@ -22,15 +22,13 @@ from benchmarks.towers.bench import scene_of
 from plogic.cycle.delta import Options
 from plogic.run.perceive import Perceiver
 from plogic.run.sources import kb_of
-from plogic.sequence.constancy.draft import draft_type
-from plogic.sequence.constancy.result import seen_features
-from plogic.sequence.views.panorama import Panorama
-from plogic.sequence.views.panorama_document import constancy_of
+from plogic.sequence.constancy.result import draft_type, seen_features
+from plogic.sequence.views.panorama import Panorama, constancy_of
 
 if TYPE_CHECKING:
     from kb.clouds.cloud import KnowledgeBase
     from plogic.sequence.constancy.result import Constancy
-    from plogic.sequence.views.view import View
+    from plogic.sequence.constancy.sight_lines import View
 
 FIRST_SEED, TURNS = 79_000, (0.0, 12.0, 24.0)
 """The seed of the first scene; degrees round the vertical through the world's origin from which it is looked at."""

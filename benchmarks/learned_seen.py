@@ -20,11 +20,12 @@ from benchmarks.recognition.score import HALF
 from geometry.frames import pose_error, transform_points
 from kb.clouds.words import SIDE
 from plogic.match.gamma import side_looks
-from plogic.match.gamma.screen_angles import screen_angle, wrapped
+from plogic.match.gamma.grid import screen_angle, wrapped
 from plogic.match.judged.evidence import LEAST_HIT, MOST_HIT, clutter_density, hit_rates, kinds, match_density
+from plogic.match.judged.rivals import distinct_poses
 from plogic.match.learned import agreement, looks, sides
 from plogic.match.learned import learned_poses as generate
-from plogic.match.learned.held_lobes import lobes_about, lobes_held
+from plogic.match.learned.agreement import lobes_about, lobes_held
 from plogic.match.learned.learned_match import matched, pose_of
 from plogic.measures import crowding
 
@@ -212,7 +213,7 @@ def worths(index: LearnedIndex, data: Data, kb: KnowledgeBase, truths: Sequence[
     Of each true object the best right one; all of a type that is not in the scene are wrong.
     """
     best, worth = generate.proposed(index, data, kb)
-    kept = generate.distinct_poses(index, best, generate.VERIFIED)
+    kept = distinct_poses(index.object_type, best, generate.VERIFIED)
     values = [float(worth[(best == pose).all(axis=(1, 2))].max()) for pose in kept]
     if not truths:
         yield from ((False, value) for value in values)

@@ -9,6 +9,7 @@ from geometry.errors import GeometryError
 
 Floats = NDArray[np.float64]  # any shape, double precision
 Ints = NDArray[np.int64]  # any shape
+Indices = NDArray[np.intp]  # any shape, what numpy takes as an index
 Mask = NDArray[np.bool_]  # any shape
 Bytes = NDArray[np.uint8]  # any shape: pixels, descriptors
 
@@ -36,8 +37,11 @@ def last_axes(values: ArrayLike, shape: Iterable[int], name: str) -> Floats:
     array = np.asarray(values, dtype=np.float64)
     wanted = tuple(shape)
     tail = array.shape[array.ndim - len(wanted) :] if array.ndim >= len(wanted) else ()
-    fits = len(tail) == len(wanted) and all(want in (-1, got) for want, got in zip(wanted, tail, strict=True))
-    if not fits:
+    if tail != wanted and not (len(tail) == len(wanted) and all(map(_fits, wanted, tail))):
         rule = ", ".join("N" if want == -1 else str(want) for want in wanted)
         raise GeometryError(f"{name} must have the shape (..., {rule}), not {array.shape}")
     return array
+
+
+def _fits(want: int, got: int) -> bool:
+    return want in (-1, got)

@@ -1,10 +1,12 @@
-"""What holds for all tests: one thread for products of matrices, and ProbLog without its warnings.
+"""What holds for all tests: one thread for products of matrices, ProbLog without its warnings, and a small heap to collect.
 
 As the commands do (``cli.main``), numpy's library is told to use one thread: our products are many and small, and two
 workers whose threads wait for each other take a third longer. ProbLog brings an old pyparsing, which is imported once,
-its deprecation warnings aside.
+its deprecation warnings aside. What importing and collecting all tests leaves stays to the end, and is not looked
+through again with each collection of garbage.
 """
 
+import gc
 import os
 
 os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
@@ -12,3 +14,8 @@ os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 from plogic.logic.safety.author import load_problog
 
 load_problog()
+
+
+def pytest_collection_finish(session):
+    gc.collect()
+    gc.freeze()

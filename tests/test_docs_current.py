@@ -18,9 +18,8 @@ from plogic.facts.dependence import LARGEST_BLOCK, MOST_OCCLUDERS
 from plogic.facts.vocabulary import VOCABULARY
 from plogic.match.hand.correspondences import MOST_PAIRS
 from plogic.match.hand.view_cells import CELLS
-from plogic.match.judged.alike import SAME_PLACE, SAME_ROTATION
 from plogic.match.judged.evidence import FIXED_BY
-from plogic.match.judged.rivals import SHARED_CLAIMS, SHARED_VOLUME
+from plogic.match.judged.rivals import SAME_PLACE, SAME_ROTATION, SHARED_CLAIMS, SHARED_VOLUME
 from plogic.run.perceive import SMOOTHED
 
 ROOT = Path(__file__).parent.parent

@@ -22,7 +22,7 @@ from benchmarks.clutter.types import HALF_ANGLE, SLACK, Detector, knowledge_base
 from benchmarks.many.placing import meet
 from geometry.frames import transform_points
 from geometry.visibility.rays import behind
-from plogic.match.gamma.screen_angles import screen_angle
+from plogic.match.gamma.grid import screen_angle
 from plogic.rates.scene_records import TrueObject, Truth
 from sensing.appearance import Appearance, Gamma
 

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from geometry.frames import pose_error
-from plogic.match.judged.alike import SAME_PLACE, SAME_ROTATION, same_place
+from plogic.match.judged.rivals import SAME_PLACE, SAME_ROTATION, same_place
 
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence

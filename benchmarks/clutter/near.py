@@ -25,10 +25,10 @@ from geometry.frames import from_rotation_translation, rotation_from_quat_xyzw
 from geometry.poses.softposit import Annealing, SoftPositResult, softposit
 from plogic.match.gamma.data import data_of
 from plogic.match.oriented.asked import poses_turned
-from plogic.match.oriented.climb import climbed
+from plogic.match.oriented.drawn import climbed
 from plogic.match.oriented.oriented_models import search_of
 from plogic.match.oriented.oriented_search import USUAL
-from plogic.match.plain.extended import pairs_of
+from plogic.match.plain.quadruples import pairs_of
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence

@@ -11,7 +11,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from geometry.poses.refine import refine_poses
-from plogic.match.plain.extended import FEWEST, Typed
+from plogic.match.judged.expectation import FEWEST
+from plogic.match.plain.quadruples import Typed
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray

@@ -12,8 +12,8 @@ import numpy as np
 from benchmarks.clutter.pairs import different, ideal, refined, typed
 from benchmarks.shared.processor import processor_seconds
 from kb.clouds.lobes import feature_in_lobe
-from plogic.match.plain.extended import FEWEST, off
-from plogic.match.plain.quadruples import drawn, posed
+from plogic.match.judged.expectation import FEWEST
+from plogic.match.plain.quadruples import drawn, off, posed
 from plogic.measures.distinctiveness import distinctiveness, instance_counts
 
 if TYPE_CHECKING:
@@ -23,7 +23,7 @@ if TYPE_CHECKING:
 
     from benchmarks.clutter.pairs import Answer
     from kb.clouds.cloud import KnowledgeBase
-    from plogic.match.plain.extended import Typed
+    from plogic.match.plain.quadruples import Typed
     from sensing.appearance import Gamma
 
     Floats = NDArray[np.float64]

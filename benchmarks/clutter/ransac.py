@@ -9,7 +9,7 @@ import numpy as np
 
 from benchmarks.clutter.pairs import different, ideal, typed
 from benchmarks.shared.processor import processor_seconds
-from plogic.match.plain.extended import FEWEST
+from plogic.match.judged.expectation import FEWEST
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -17,7 +17,7 @@ if TYPE_CHECKING:
     from benchmarks.clutter.pairs import Answer
     from geometry.camera import Camera
     from kb.clouds.cloud import KnowledgeBase
-    from plogic.match.plain.extended import Typed
+    from plogic.match.plain.quadruples import Typed
     from sensing.appearance import Gamma
 
     Floats = NDArray[np.float64]

@@ -17,7 +17,7 @@ from geometry.camera import Camera
 from geometry.frames import from_rotation_translation, inverse, rotation_from_quat_xyzw, transform_points
 from geometry.visibility.rays import behind
 from kb.clouds.lobes import feature_in_lobe
-from plogic.match.gamma.screen_angles import screen_angle
+from plogic.match.gamma.grid import screen_angle
 from sensing.appearance import Appearance, Gamma
 
 if TYPE_CHECKING:

@@ -9,14 +9,14 @@ import numpy as np
 from benchmarks.clutter.pairs import refined, typed
 from benchmarks.clutter.scenes import PIXELS
 from benchmarks.shared.processor import processor_seconds
-from plogic.match.plain.softposit_poses import annealed
+from plogic.match.plain.plain_models import annealed
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from benchmarks.clutter.pairs import Answer
     from kb.clouds.cloud import KnowledgeBase
-    from plogic.match.plain.extended import Typed
+    from plogic.match.plain.quadruples import Typed
     from sensing.appearance import Gamma
 
 NARROW = 0.5

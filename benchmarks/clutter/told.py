@@ -12,8 +12,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from benchmarks.recognition.score import Found
-from plogic.match.oriented.angle_refinement import Held, Noise, refined
-from plogic.match.plain.extended import FEWEST
+from plogic.match.judged.expectation import FEWEST
+from plogic.match.oriented.oriented_match import Held, Noise, refined
 
 if TYPE_CHECKING:
     from benchmarks.clutter.scenes import Trial

@@ -19,7 +19,7 @@ from benchmarks.constancy.table import ANGLELESS, CAPTION, COUNTS, ONE_LOOK, OUR
 from benchmarks.shared.claims import report
 from benchmarks.shared.processor import processor_seconds
 from plogic.sequence.constancy.decide import unknown_objects
-from plogic.sequence.views.panorama_document import hiding
+from plogic.sequence.views.panorama import hiding
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping
@@ -27,7 +27,7 @@ if TYPE_CHECKING:
     from benchmarks.constancy.scenes import Sequence
     from kb.clouds.cloud import KnowledgeBase
     from plogic.run.perceive import Perceiver
-    from plogic.sequence.views.panorama_document import Body
+    from plogic.sequence.views.panorama import Body
 
 SEQUENCES, QUICK_SEQUENCES = 40, 4
 

@@ -7,13 +7,13 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from geometry.frames import compose
-from plogic.scene.worlds.causes import NOISE
-from plogic.sequence.views.panorama_document import Body
+from plogic.scene.worlds.ranked_worlds import NOISE
+from plogic.sequence.views.panorama import Body
 
 if TYPE_CHECKING:
     from kb.clouds.cloud import KnowledgeBase
     from plogic.facts.document import Interpretation
-    from plogic.sequence.views.view import View
+    from plogic.sequence.constancy.sight_lines import View
 
 
 def unexplained_of(document: Interpretation) -> tuple[str, ...]:

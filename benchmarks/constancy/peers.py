@@ -13,8 +13,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from benchmarks.constancy.score import Called
-from plogic.sequence.constancy.places import places_of
-from plogic.sequence.constancy.sight_lines import sights_of
+from plogic.sequence.constancy.sight_lines import places_of, sights_of
 from plogic.sequence.constancy.tracks import sampson
 
 if TYPE_CHECKING:
@@ -23,8 +22,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from kb.clouds.cloud import Rates
-    from plogic.sequence.constancy.sight_lines import Sights
-    from plogic.sequence.views.view import View
+    from plogic.sequence.constancy.sight_lines import Sights, View
 
 NEAR = 9.0
 """Variances within which a datum is near an epipolar line."""

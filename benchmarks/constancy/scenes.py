@@ -28,8 +28,8 @@ from geometry.frames import (
     rotation_from_quat_xyzw,
     transform_points,
 )
-from plogic.match.gamma.screen_angles import screen_angle
-from plogic.sequence.views.view import View
+from plogic.match.gamma.grid import screen_angle
+from plogic.sequence.constancy.sight_lines import View
 from sensing.appearance import Appearance, Gamma
 
 if TYPE_CHECKING:

@@ -21,8 +21,7 @@ from plogic.match.gamma.data import data_of
 from plogic.scene.worlds.ranked_worlds import ranked_worlds
 from plogic.sequence.next_view.look import looked_ahead
 from plogic.sequence.next_view.moves import Candidate, Stand, ring
-from plogic.sequence.views.joint import joint
-from plogic.sequence.views.merging import Found, merged
+from plogic.sequence.views.joint import Found, joint, merged
 from plogic.sequence.views.standing import Seen
 
 if TYPE_CHECKING:
@@ -31,7 +30,7 @@ if TYPE_CHECKING:
     from benchmarks.look_again.scenes import Scene
     from plogic.run.perceive import Perceiver
     from plogic.scene.worlds.ranked_worlds import Ranking
-    from plogic.sequence.next_view.prospect import Prospect
+    from plogic.sequence.next_view.expected import Prospect
     from plogic.sequence.views.joint import Joint
     from plogic.sequence.views.standing import Standing
 

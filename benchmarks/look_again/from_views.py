@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from plogic.sequence.next_view.prospect import Body, Cloud, Prospect
+from plogic.sequence.next_view.expected import Body, Cloud, Prospect
 
 if TYPE_CHECKING:
     from kb.clouds.cloud import KnowledgeBase, ObjectType

@@ -22,8 +22,8 @@ from benchmarks.look_again.types import CLUTTER, DETECTOR
 from benchmarks.many.placing import meet
 from geometry.frames import inverse, look_at, transform_points
 from geometry.visibility.rays import behind
-from plogic.match.gamma.screen_angles import screen_angle
-from plogic.sequence.views.view import View
+from plogic.match.gamma.grid import screen_angle
+from plogic.sequence.constancy.sight_lines import View
 from sensing.appearance import Appearance, Gamma
 
 if TYPE_CHECKING:

@@ -19,7 +19,7 @@ from benchmarks.clutter.ransac import estimated
 from benchmarks.recognition.peer import Candidate
 from benchmarks.recognition.score import Found
 from benchmarks.shared.processor import processor_seconds
-from plogic.match.plain.extended import FEWEST
+from plogic.match.judged.expectation import FEWEST
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -27,7 +27,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from kb.clouds.cloud import KnowledgeBase
-    from plogic.match.plain.extended import Typed
+    from plogic.match.plain.quadruples import Typed
     from sensing.appearance import Gamma
 
     Floats = NDArray[np.float64]

@@ -19,7 +19,7 @@ from benchmarks.many.types import DETECTOR, frequencies
 from benchmarks.recognition.score import Truth
 from geometry.frames import transform_points
 from geometry.visibility.rays import behind
-from plogic.match.gamma.screen_angles import screen_angle
+from plogic.match.gamma.grid import screen_angle
 from sensing.appearance import Appearance, Gamma
 
 if TYPE_CHECKING:

@@ -28,8 +28,8 @@ if TYPE_CHECKING:
 
     from kb.clouds.cloud import KnowledgeBase
     from plogic.run.perceive import Perceiver
+    from plogic.sequence.constancy.sight_lines import View
     from plogic.sequence.views.panorama import Known, Look, Panorama
-    from plogic.sequence.views.view import View
     from sensing.simulated.scene import Scene
 
     Floats = NDArray[np.float64]
@@ -117,7 +117,7 @@ def elsewhere(scene: Scene, degrees: float, rng: np.random.Generator) -> Scene:
 
 def taken(scene: Scene, number: int, kb: KnowledgeBase) -> View:
     """What is detected in the scene's picture."""
-    from plogic.sequence.views.view import View
+    from plogic.sequence.constancy.sight_lines import View
     from sensing.detectors.detector import detect
 
     gamma = detect(scene.photograph().image, scene.camera, kb.appearance_types)

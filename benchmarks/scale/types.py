@@ -19,8 +19,8 @@ import numpy as np
 
 from benchmarks.clutter.types import EASY, HALF_ANGLE, knowledge_base, made, random_types, type_names
 from plogic.match.hand.view_cells import view_cells
+from plogic.match.oriented.oriented_models import oriented_index
 from plogic.match.oriented.pair_index import PairIndex, Sights, pair_index
-from plogic.match.oriented.ready import oriented_index
 from plogic.measures.distinctiveness import distinctiveness, instance_counts
 
 if TYPE_CHECKING:
@@ -107,7 +107,7 @@ def index_bytes(ready: Ready) -> dict[str, float]:
 
 def disk_bytes(count: int, seed: int) -> float:
     """Bytes a type of the folder in which the index of so many types is kept."""
-    from plogic.match.oriented.ready import ready
+    from plogic.match.oriented.oriented_models import ready
 
     kb = random_types(count, FEATURES, LOOKS, np.random.default_rng([seed, LOOKS]), EASY)
     with tempfile.TemporaryDirectory(prefix="plogic-scale-") as folder:

@@ -18,8 +18,7 @@ import numpy as np
 
 from benchmarks.scale.recall import Standing
 from geometry.frames import pose_error
-from plogic.cycle.attention import attend
-from plogic.cycle.perception import perceive
+from plogic.cycle.perception import attend, perceive
 from plogic.cycle.state import Task
 from plogic.match.gamma.data import data_of
 from plogic.match.kinds import Models

@@ -16,7 +16,7 @@ from benchmarks.clutter.scenes import CAMERA, random_pose, visible
 from benchmarks.clutter.types import Detector, random_types
 from benchmarks.shared.claims import Claim, report
 from geometry.frames import pose_error
-from plogic.match.gamma.screen_angles import screen_angle
+from plogic.match.gamma.grid import screen_angle
 from sensing.appearance import Appearance, Gamma
 
 if TYPE_CHECKING:
@@ -86,7 +86,7 @@ def off_of_pair(
     """As ``off``, of the best that is accepted of the pair's Γ, refined on both images."""
     from plogic.base.clock import Stopwatch
     from plogic.cycle.delta import Options
-    from plogic.sequence.views.stereo import sharpened
+    from plogic.sequence.views.standing import sharpened
 
     data, cycle = perceiver.cycle(both, Options(reading="posterior"), Stopwatch())
     kind, pose = truth

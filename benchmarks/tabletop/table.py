@@ -9,6 +9,7 @@ Floor and wall are painted with patterns, and everything casts shadows.
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import lru_cache
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -83,6 +84,12 @@ def photographed(
     return Rendering(sensed(picture, sensor), depth.astype(np.float32), seen.astype(np.int32))
 
 
+@lru_cache(maxsize=4)
+def _painted(name: str, seed: int, stream: int) -> TexturePyramid:
+    """The pattern of floor or wall: pictures of one table-top share it."""
+    return TexturePyramid(pattern(name, np.random.default_rng([seed, stream]), TEXELS))
+
+
 class _Stage:
     """Everything that stands still while one picture is taken."""
 
@@ -91,11 +98,7 @@ class _Stage:
         pose = np.asarray(camera.world_from_camera)
         self.eye, self.turn = pose[:3, 3], pose[:3, :3]
         self.lamp = light.unit
-        floor, wall = (np.random.default_rng([table.seed, k]) for k in (6, 7))
-        self.paint = (
-            TexturePyramid(pattern(table.floor_pattern, floor, TEXELS)),
-            TexturePyramid(pattern(table.wall_pattern, wall, TEXELS)),
-        )
+        self.paint = _painted(table.floor_pattern, table.seed, 6), _painted(table.wall_pattern, table.seed, 7)
         self.behind = np.array([np.cos(table.wall_azimuth), np.sin(table.wall_azimuth), 0.0])
 
     def rays(self, band: tuple[int, int], supersample: int) -> NDArray[np.float64]:
@@ -134,7 +137,7 @@ class _Stage:
         colour = self.caster.colours(found, spread, facing)
         for k, (paint, own) in enumerate(zip(self.paint, (floor <= wall, floor > wall), strict=True)):
             chosen = own & (found.body < 0)
-            colour[chosen] = self._painted(
+            colour[chosen] = self._colours(
                 k, paint, point[chosen], spread[chosen] / np.sqrt(np.maximum(facing[chosen], 0.1))
             )
         shaded = self._shaded(colour, normal, view, self._lit(point, grid.shape[:2], supersample), found.body >= 0)
@@ -150,7 +153,7 @@ class _Stage:
             wall = (self.table.wall_distance - self.eye @ self.behind) / (rays @ self.behind)
         return np.where(floor > 0, floor, np.inf), np.where(wall > 0, wall, np.inf)
 
-    def _painted(
+    def _colours(
         self, which: int, paint: TexturePyramid, point: NDArray[np.float64], spread: NDArray[np.float64]
     ) -> NDArray[np.float32]:
         metres = (self.table.floor_metres, self.table.wall_metres)[which]

@@ -179,7 +179,7 @@ class _Fresh:
     def __init__(self, child: Child, done: Callable[[Any], Any]) -> None:
         self.child = child
         self.job: int | None = None
-        self._said = b""
+        self._said = bytearray()  # answers of megabytes come in many small pieces
         self._tell(done)
 
     def take(self, job: tuple[int, Any] | None) -> None:
@@ -200,7 +200,7 @@ class _Fresh:
         size = int.from_bytes(self._said[:_LENGTH], "little")
         if len(self._said) < _LENGTH + size or self.job is None:
             return None
-        answer, self._said = self._said[_LENGTH:], b""
+        answer, self._said = memoryview(self._said)[_LENGTH:], bytearray()
         return self.job, pickle.loads(answer)  # noqa: S301 - from a process of ours
 
     def _tell(self, some: object) -> None:

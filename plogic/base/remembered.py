@@ -215,9 +215,11 @@ def sources(root: Path, first: str, packages: Iterable[str] = OURS) -> set[str]:
 
 
 def _run(node: ast.AST) -> Iterator[ast.AST]:
-    """All nodes below one but those of ``if TYPE_CHECKING:``."""
+    """All statements below a node but those of ``if TYPE_CHECKING:``."""
     for child in ast.iter_child_nodes(node):
-        if not (isinstance(child, ast.If) and ast.unparse(child.test) == "TYPE_CHECKING"):
+        if isinstance(child, ast.If) and ast.unparse(child.test) == "TYPE_CHECKING":
+            continue
+        if isinstance(child, ast.stmt | ast.excepthandler | ast.match_case):
             yield child
             yield from _run(child)
 

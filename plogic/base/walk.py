@@ -1,4 +1,4 @@
-"""Walks over graphs of any kind: each node that is reached, once, depth first."""
+"""Walks over graphs of any kind, each node that is reached once, depth first; and groups."""
 
 from __future__ import annotations
 
@@ -6,6 +6,8 @@ from collections.abc import Callable, Iterable, Iterator
 from typing import TypeVar
 
 Node = TypeVar("Node")
+Key = TypeVar("Key")
+Value = TypeVar("Value")
 
 
 def reached(
@@ -23,3 +25,11 @@ def reached(
             seen.add(node)
             yield node
             stack.extend(following(node))
+
+
+def by_key(pairs: Iterable[tuple[Key, Value]]) -> dict[Key, list[Value]]:
+    """Return the values of each key, in their order; the keys in the order of their first values."""
+    groups: dict[Key, list[Value]] = {}
+    for key, value in pairs:
+        groups.setdefault(key, []).append(value)
+    return groups

@@ -1,19 +1,141 @@
-"""Choose Δi: which hypotheses are accepted is one function of what was judged (figure 1), and another can take its place."""
+"""Choose Δi and make it stable (figure 1, §7): objects kept apart (A4), every ev taken anew beside the others, what no longer holds released.
 
-from __future__ import annotations
+Which hypotheses are accepted is one function of what was judged, and another can take its place.
 
+The *weight* of Δi is the sum of the log-likelihood ratios of what it accepts, as the interpretation states them: ln of
+how much likelier Γ is in its world than in the empty one. The cycle can be stopped between any two of its steps, and
+the heaviest stable Δi so far is then the answer. Law: more time never makes its weight less. A cycle with more time
+comes to the same ones first, in the same order.
+"""
+
+from collections.abc import Callable, Sequence
 from dataclasses import replace
-from typing import TYPE_CHECKING, TypeAlias
+from typing import TypeAlias
 
-from plogic.cycle.judging import judge, refusal
-from plogic.cycle.stability import acceptance, accepted, kept
-from plogic.cycle.state import State, Task, among, free
+from plogic.cycle.judging import judge, refusal, rounded
+from plogic.cycle.state import Stable, State, Step, Task, among, free, step_of
+from plogic.facts.hypothesis import Hypothesis
+from plogic.match.gamma.data import Data
+from plogic.match.judged.evidence import pose_information
+from plogic.match.judged.rivals import apart_on_screen, hidden_among, moved_apart
 
-if TYPE_CHECKING:
-    from collections.abc import Callable, Sequence
+HEAVIER = 1e-6
+"""By how much a glance must be heavier than what is kept: two that only rounding tells apart are the same, whether
+there is a deadline or not."""
 
-    from plogic.facts.hypothesis import Hypothesis
-    from plogic.match.gamma.data import Data
+
+def kept(task: Task, state: State) -> State:
+    """Make what is accepted now stable, and keep that if it is no lighter than what is kept."""
+    found = stable(task, state.accepted)
+    task.heaviest.keep(found)
+    return replace(state, stable=found)
+
+
+def glance(task: Task, state: State, found: Sequence[tuple[float, Hypothesis]]) -> None:
+    """Where there is a deadline keep what Δi is with the best of some poses, if that is heavier than what is kept.
+
+    So there is an answer before a round is over.
+    """
+    if task.end is None or not found or state.stable.weight + found[0][0] <= task.heaviest.stable.weight:
+        return
+    anew = bool(state.accepted) or not task.models[found[0][1].type].settled_when_found
+    proposed = judge(task, state.accepted, found[0][1], 0, anew=anew)
+    task.deadline.check()
+    hypothesis = judge(task, state.accepted, proposed, 2)
+    if refusal(task, state, hypothesis) is None:
+        with_it = stable(task, (*state.accepted, accepted(hypothesis)), (acceptance(hypothesis),))
+        if with_it.weight > task.heaviest.stable.weight + HEAVIER:
+            task.heaviest.stable = with_it
+
+
+def accepted(hypothesis: Hypothesis) -> Hypothesis:
+    """The hypothesis with that verdict."""
+    return hypothesis.told(status="accepted", why="explains its data better than chance, ev above 0")
+
+
+def acceptance(hypothesis: Hypothesis) -> Step:
+    """The step that accepts it."""
+    return step_of("accept", f"log-likelihood ratio {hypothesis.worth:.1f}", hypothesis)
+
+
+def stable(task: Task, of: tuple[Hypothesis, ...], steps: tuple[Step, ...] = ()) -> Stable:
+    """What is left of these when they are kept apart (A4) and reconsidered."""
+    return reconsidered(task, separated(task, Stable(of, of, (), steps)))
+
+
+def separated(task: Task, start: Stable) -> Stable:
+    """A4 to a millimetre: move apart, all together, what reaches into another.
+
+    Of two that cannot be, the one of less worth is rejected.
+    """
+    some, rejected, steps = list(start.accepted), list(start.rejected), list(start.steps)
+    while True:
+        task.deadline.check()
+        poses, deep = moved_apart(some, lambda k: pose_information(some[k], task.data.camera, task.kb))
+        if not deep:
+            break
+        worst = some.pop(min({k for pair in deep for k in pair}, key=lambda k: some[k].worth))
+        rejected.append(worst.told(status="rejected", why="shares volume with an accepted object (A4)"))
+        steps.append(Step("release", "no poses near keep it out of the others (A4); its data are released", worst.type))
+    for k, (hypothesis, pose) in enumerate(zip(list(some), poses, strict=True)):
+        if pose is not hypothesis.camera_from_object:
+            others = [other for other in some if other is not hypothesis]
+            hidden, left = hidden_among(hypothesis, others), free(task, others)
+            moved = task.models[hypothesis.type].settle(pose, task.data, task.kb, free=left, hidden=hidden, rounds=0)
+            some[k] = moved.told(**hypothesis.verdict())
+            steps.append(Step("move", "a little, so that it does not reach into what it touches (A4)", hypothesis.type))
+    return Stable(start.of, tuple(some), tuple(rejected), tuple(steps))
+
+
+def reconsidered(task: Task, start: Stable) -> Stable:
+    """Take every ev anew beside the others (reconsideration); drop what no longer holds, until Δi is stable.
+
+    It only shrinks.
+    """
+    some, rejected, steps = list(start.accepted), list(start.rejected), list(start.steps)
+    while True:
+        again = []
+        for k, hypothesis in enumerate(some):
+            new = _again(task, hypothesis, [*some[:k], *some[k + 1 :]])
+            again.append(new)
+            why = f"ev {rounded(new.ev)} alone, {rounded(new.ev_reconsidered)} beside the others"
+            steps.append(step_of("reconsider", why, new))
+        some = again
+        bad = [h for h in some if h.ev_reconsidered is None or h.ev_reconsidered <= 0.0 or h.worth <= 0.0]
+        if not bad:
+            return Stable(start.of, tuple(some), tuple(rejected), tuple(steps))
+        worst = min(bad, key=lambda h: (h.ev_reconsidered is not None, h.ev_reconsidered or -1.0))
+        some = [h for h in some if h is not worst]
+        why = "ev or evidence is not above 0 beside the others"
+        rejected.append(worst.told(status="rejected", why=why))
+        steps.append(Step("release", f"{why}; its data are released", worst.type))
+
+
+def _again(task: Task, hypothesis: Hypothesis, others: Sequence[Hypothesis]) -> Hypothesis:
+    """An accepted hypothesis judged beside the others; as before where the same stand near it."""
+    near = [other for other in others if not apart_on_screen(hypothesis, other, *task.reach)]
+    key = tuple(id(one) for one in (hypothesis, *near))
+    if key not in task.remembered:
+        task.deadline.check()
+        new = judge(task, others, hypothesis, 0).told(status="accepted", why=hypothesis.why)
+        task.remembered[key] = (hypothesis, *near), new
+    return task.remembered[key][1]
+
+
+def concluded(task: Task, state: State) -> State:
+    """Δi is the heaviest stable one that there was; what was accepted else is rejected."""
+    best = task.heaviest.stable
+    kept_poses = [one.camera_from_object for one in (*best.of, *best.accepted)]
+    lost = [h for h in state.accepted if not any(h.camera_from_object is pose for pose in kept_poses)]
+    told = [h for h in best.rejected if not any(h is other for other in state.rejected)]
+    state = replace(state, accepted=best.accepted, rejected=(*state.rejected, *told)).tells(*best.steps)
+    for hypothesis in lost:
+        why = "a pose nearby explains more" if among(hypothesis, best.accepted) else "Δi explains more without it"
+        why = "the deadline came first" if task.deadline.passed else why
+        state = replace(state, rejected=(*state.rejected, hypothesis.told(status="rejected", why=why)))
+        state = state.tells(Step("release", f"{why}; its data are released", hypothesis.type))
+    return state
+
 
 POLISHED = 6
 """Poses of a round that are refined beside Δi before they are accepted or not, the best first."""
@@ -21,7 +143,7 @@ POLISH = 10.0
 """What refinement beside Δi may add to the evidence of a type that was refined when it was found: one that lacks more
 is not refined."""
 
-Choice: TypeAlias = "Callable[[Task, State, Sequence[Hypothesis]], tuple[Hypothesis, ...]]"
+Choice: TypeAlias = Callable[[Task, State, Sequence[Hypothesis]], tuple[Hypothesis, ...]]
 """Of the state and of judged hypotheses, those that make up Δi from now on.
 
 Those of ``State.accepted``, where nothing changes.

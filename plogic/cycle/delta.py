@@ -1,39 +1,101 @@
-"""From the cycle's beliefs to the typed ``Situation``: ids, facts between hypotheses, groups of rivals (§8)."""
+"""From the cycle's beliefs to the typed ``Situation``: ids, facts between hypotheses, groups of rivals (§8).
 
-from __future__ import annotations
+The occlusion relations are those of hypotheses, and of their parts, that can be present together (§3.5-3.7). Of parts
+those count that are objects and have a body (``kb.clouds.cloud``), each with the parts and the whole of every other
+hypothesis; parts of one hypothesis are not compared. A part's body is taken alone: what else of its own object stands
+before it is not looked at. The relation of two wholes is in ``relations_of``.
+"""
 
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from itertools import combinations
-from typing import TYPE_CHECKING
+from typing import NamedTuple
 
 import networkx as nx
 import numpy as np
 
-from plogic.cycle.holding import gravity_of_view
+from geometry.arrays import Floats, Mask
+from geometry.camera import Camera
+from geometry.visibility.occlusion import PosedSurface, drawn, occlusion
+from geometry.visibility.outline import Area
+from geometry.visibility.roc import Roc
+from kb.clouds.cloud import KnowledgeBase
+from kb.surfaces.surface import Surface
 from plogic.cycle.lumped import compound_parts, counts, lumped, told, told_as, types_told
-from plogic.cycle.placing import space_of_view
-from plogic.cycle.relations import part_relations_of, relations_of
+from plogic.cycle.placing import gravity_of_view, space_of_view
 from plogic.cycle.state import Cycle, Trace
 from plogic.facts.hypothesis import FeatureFact, Hypothesis, part_facts
-from plogic.facts.situation import AppearanceFact, Reading, Reconsider, Situation
+from plogic.facts.situation import AppearanceFact, PairFact, Reading, Reconsider, Situation, pair_facts
 from plogic.facts.spatial import Space
-from plogic.match.judged.disjoint import reaches_into
+from plogic.match.gamma.data import Data
 from plogic.match.judged.evidence import as_fitted, clutter_density, judged
 from plogic.match.judged.expectation import hidden_by
-from plogic.match.judged.rivals import SHARED_CLAIMS, overlap, shared_claims
+from plogic.match.judged.rivals import SHARED_CLAIMS, overlap, reaches_into, shared_claims
+from plogic.match.judged.type_models import TypeModel
 from sensing.uncollected import uncollected
 
-if TYPE_CHECKING:
-    from collections.abc import Callable, Iterable, Mapping
+Rated = tuple[Floats, Floats]
+Fitted = Callable[[Hypothesis, Data, KnowledgeBase, Mask | None], Rated]
 
-    from numpy.typing import NDArray
 
-    from kb.clouds.cloud import KnowledgeBase
-    from plogic.match.gamma.data import Data
-    from plogic.match.judged.type_models import TypeModel
+MOST_PART_PAIRS = 400
+"""Pairs with a part in them that are looked at in one image, those of the first hypotheses first: the nearest to being
+accepted."""
 
-    Rated = tuple[NDArray[np.float64], NDArray[np.float64]]
-    Fitted = Callable[[Hypothesis, Data, KnowledgeBase, NDArray[np.bool_] | None], Rated]
+
+class Drawn(NamedTuple):
+    """A posed body with its image."""
+
+    surface: PosedSurface
+    image: Area
+
+
+def relations_of(
+    posed: Mapping[str, Hypothesis], pairs: Sequence[tuple[str, str]], camera: Camera
+) -> tuple[PairFact, ...]:
+    """The occlusion relation of each pair of hypotheses that have surfaces, of the ordered pair that it is said of (§3.6)."""
+    named = dict.fromkeys(name for pair in pairs for name in pair)
+    bodies = {
+        name: _drawn(surface, posed[name], camera)
+        for name in named
+        if (surface := posed[name].object_type.surface) is not None
+    }
+    some = [(x, y) for x, y in pairs if x in bodies and y in bodies]
+    return tuple(fact for x, y in some for fact in pair_facts(_relation(bodies[x], bodies[y], camera), x, y))
+
+
+def part_relations_of(
+    posed: Mapping[str, Hypothesis], pairs: Sequence[tuple[str, str]], camera: Camera
+) -> tuple[PairFact, ...]:
+    """The same of the first ``MOST_PART_PAIRS`` pairs of nodes of which one at least is a part."""
+    nodes = [(x, y, parts) for x, y in pairs for parts in _nodes(posed[x], posed[y])][:MOST_PART_PAIRS]
+    asked = dict.fromkeys((name, part) for x, y, parts in nodes for name, part in zip((x, y), parts, strict=True))
+    bodies = {(name, part): _drawn(_bodies(posed[name])[part], posed[name], camera) for name, part in asked}
+    return tuple(
+        fact
+        for x, y, (p, q) in nodes
+        for fact in pair_facts(_relation(bodies[x, p], bodies[y, q], camera), x, y, (p, q))
+    )
+
+
+def _nodes(x: Hypothesis, y: Hypothesis) -> list[tuple[str, str]]:
+    """The pairs of nodes with bodies, but for that of the wholes."""
+    return [(p, q) for p in _bodies(x) for q in _bodies(y) if p or q]
+
+
+def _bodies(posed: Hypothesis) -> dict[str, Surface]:
+    kind = posed.object_type
+    return ({} if kind.surface is None else {"": kind.surface}) | kind.part_bodies
+
+
+def _drawn(surface: Surface, posed: Hypothesis, camera: Camera) -> Drawn:
+    placed = PosedSurface(surface.vertices, surface.triangles, surface.rays, posed.camera_from_object)
+    return Drawn(placed, drawn(placed, camera))
+
+
+def _relation(x: Drawn, y: Drawn, camera: Camera) -> Roc:
+    return occlusion(x.surface, y.surface, camera, images=(x.image, y.image))
+
 
 EVERY = 1000
 """Poses a type that ``unpruned`` refines and verifies: more than the search tells apart in one image."""
@@ -93,6 +155,7 @@ def delta_of(
     posed = {name: some.told(hidden=_hidden(name, posed, hiding, rivals)) for name, some in posed.items()}
     group = instances({name: some.type for name, some in posed.items()}, exclusive)
     rates = {name: fitted(some, data, kb, some.hidden) for name, some in posed.items()}
+    rows = zip(data.ids, data.types, data.uv.tolist(), clutter_density(kb, data).tolist(), strict=True)
     hypotheses = tuple(
         _hypothesis(name, some, group[name], hiding, rates[name], data, dv) for name, some in posed.items()
     )
@@ -102,7 +165,7 @@ def delta_of(
             reconsider=options.reconsider,
             smoothing=options.smoothing,
             hypotheses=hypotheses,
-            appearances=_appearances(data, kb),
+            appearances=tuple(AppearanceFact(name, kind, (u, v), f) for name, kind, (u, v), f in rows),
             overlaps=overlaps,
             rivals=rivals,
             exclusive=exclusive,
@@ -132,13 +195,8 @@ def unpruned(
 ) -> Delta:
     """Δh before anything is accepted or rejected: every distinct pose that the search comes to on the whole of Γ, the ``most`` of greatest worth."""
     found = [judged(posed, data, kb, dv) for model in models for _, posed in model.proposals(data, kb, EVERY)]
-    best = sorted(found, key=lambda b: -b.worth)[:most]
-    return delta_of(Cycle((), tuple(best), (), (), Trace()), data, kb, dv, options)
-
-
-def _appearances(data: Data, kb: KnowledgeBase) -> tuple[AppearanceFact, ...]:
-    rows = zip(data.ids, data.types, data.uv.tolist(), clutter_density(kb, data).tolist(), strict=True)
-    return tuple(AppearanceFact(name, kind, (uv[0], uv[1]), f) for name, kind, uv, f in rows)
+    best = tuple(sorted(found, key=lambda b: -b.worth)[:most])
+    return delta_of(Cycle((), best, (), (), Trace()), data, kb, dv, options)
 
 
 def instances(types: Mapping[str, str], exclusive: frozenset[tuple[str, str]]) -> dict[str, str]:
@@ -153,17 +211,17 @@ def instances(types: Mapping[str, str], exclusive: frozenset[tuple[str, str]]) -
 def _hidden(
     name: str,
     posed: Mapping[str, Hypothesis],
-    hiding: Mapping[tuple[str, str], NDArray[np.bool_]],
+    hiding: Mapping[tuple[str, str], Mask],
     rivals: frozenset[tuple[str, str]],
-) -> NDArray[np.bool_]:
+) -> Mask:
     """(F,) the features that accepted opaque hypotheses hide: its rivals hide nothing of it (D7).
 
     This is who hides what beside Δi, for the program's rates and for the cases of the document.
     """
     mask = np.zeros(len(posed[name].uv), dtype=bool)
     for other, some in posed.items():
-        rival = (name, other) in rivals or (other, name) in rivals
-        if other != name and not rival and some.status == "accepted" and some.opaque:
+        rival = other == name or (name, other) in rivals or (other, name) in rivals
+        if not rival and some.status == "accepted" and some.opaque:
             mask |= hiding[name, other]
     return mask
 
@@ -172,8 +230,8 @@ def _hypothesis(
     name: str,
     posed: Hypothesis,
     group: str,
-    hiding: Mapping[tuple[str, str], NDArray[np.bool_]],
-    rates: tuple[NDArray[np.float64], NDArray[np.float64]],
+    hiding: Mapping[tuple[str, str], Mask],
+    rates: tuple[Floats, Floats],
     data: Data,
     dv: Mapping[str, float],
 ) -> Hypothesis:
@@ -206,5 +264,5 @@ def _hypothesis(
     )
 
 
-def _triple(row: NDArray[np.float64]) -> tuple[float, float, float]:
+def _triple(row: Floats) -> tuple[float, float, float]:
     return float(row[0]), float(row[1]), float(row[2])

@@ -1,23 +1,26 @@
-"""Judge a hypothesis beside Δi: Expected, Detected, the four cases, ev and evidence, on the data left free (§4, §5.5, §7)."""
+"""Judge a hypothesis beside Δi: Expected, Detected, the four cases, ev and evidence, on the data left free (§4, §5.5, §7).
 
-from __future__ import annotations
+What is not accepted is told from the rivals of Δi: a rival would be accepted in the place of what it conflicts with.
+"""
 
+from collections.abc import Iterator, Sequence
 from dataclasses import replace
-from typing import TYPE_CHECKING
 
-from plogic.cycle.state import Proposal, State, Task, among, free
-from plogic.match.judged.evidence import evidence
+from geometry.arrays import Floats, Mask
+from plogic.cycle.state import Proposal, State, Step, Task, among, free, step_of
+from plogic.facts.hypothesis import Hypothesis
+from plogic.match.judged.evidence import evidence, pose_information
 from plogic.match.judged.evidence import judged as judged_alone
 from plogic.match.judged.expectation import hidden_by
-from plogic.match.judged.rivals import SHARED_CLAIMS, apart_on_screen, hidden_among, overlap, shared_claims
-
-if TYPE_CHECKING:
-    from collections.abc import Sequence
-
-    import numpy as np
-    from numpy.typing import NDArray
-
-    from plogic.facts.hypothesis import Hypothesis
+from plogic.match.judged.rivals import (
+    SHARED_CLAIMS,
+    apart_on_screen,
+    excludes,
+    hidden_among,
+    moved_apart,
+    overlap,
+    shared_claims,
+)
 
 FEWEST = 4
 """Expected features that must be detected before a hypothesis counts: a phantom wholly out of sight has ev = +1 (§8,
@@ -30,7 +33,7 @@ def judge(
     proposed: Hypothesis,
     rounds: int,
     *,
-    left: NDArray[np.bool_] | None = None,
+    left: Mask | None = None,
     anew: bool = True,
 ) -> Hypothesis:
     """A hypothesis beside these, matched on the data ``left`` (A,) that they do not claim, or refined by so many ``rounds``.
@@ -43,12 +46,7 @@ def judge(
         left = free(task, beside) if left is None else left
         start = proposed if rounds else proposed.camera_from_object
         proposed = task.models[proposed.type].settle(start, task.data, task.kb, free=left, hidden=hidden, rounds=rounds)
-    return believed(task, proposed, hidden_among(proposed, beside) if rounds else hidden)
-
-
-def believed(task: Task, matched: Hypothesis, hidden: NDArray[np.bool_]) -> Hypothesis:
-    """The evidence and ev of a hypothesis of which the ``hidden`` features (F,) are not expected."""
-    return judged_alone(matched, task.data, task.kb, task.dv, hidden)
+    return judged_alone(proposed, task.data, task.kb, task.dv, hidden_among(proposed, beside) if rounds else hidden)
 
 
 def judged(task: Task, state: State) -> State:
@@ -59,12 +57,10 @@ def judged(task: Task, state: State) -> State:
         near = beside is None or any(
             not apart_on_screen(proposed, other, *task.reach) for other in state.accepted[beside:]
         )
-        if near:
-            anew = bool(state.accepted) or not task.models[proposed.type].settled_when_found
-            proposals.append(judge(task, state.accepted, proposed, 0, left=left, anew=anew))
-        else:
-            proposals.append(proposed)
-    return replace(state, proposals=tuple(Proposal(one, len(state.accepted)) for one in proposals))
+        anew = bool(state.accepted) or not task.models[proposed.type].settled_when_found
+        again = judge(task, state.accepted, proposed, 0, left=left, anew=anew) if near else proposed
+        proposals.append(Proposal(again, len(state.accepted)))
+    return replace(state, proposals=tuple(proposals))
 
 
 def refusal(task: Task, state: State, hypothesis: Hypothesis) -> str | None:
@@ -75,8 +71,8 @@ def refusal(task: Task, state: State, hypothesis: Hypothesis) -> str | None:
 def _unsupported(task: Task, state: State, hypothesis: Hypothesis) -> str | None:
     """Why its own evidence, beside Δi, does not carry it: what is hidden there is not expected."""
     found, model = hypothesis.expected(hypothesis.hidden) & hypothesis.detected, task.models[hypothesis.type]
-    if found.sum() < FEWEST:
-        number = int(found.sum())
+    number = int(found.sum())
+    if number < FEWEST:
         return f"{f'only {number}' if number else 'none'} of its expected features detected; {FEWEST} are demanded"
     if hypothesis.axes is None and not found[model.anchors].any():  # where angles count, any features start it
         return "none of its most distinctive features was detected"
@@ -103,19 +99,101 @@ def _excluded(state: State, hypothesis: Hypothesis) -> str | None:
 
 def _harm(task: Task, accepted: Sequence[Hypothesis], hypothesis: Hypothesis) -> float:
     """What the accepted ones would lose if this stood before them: at most 0, for to hide a detected feature is counter-evidence."""
-    if not hypothesis.opaque:
-        return 0.0
     change = 0.0
-    for other in accepted:
+    for other in accepted if hypothesis.opaque else ():
         before = hidden_among(other, accepted)
         after = before | hidden_by(other, hypothesis)
         if (after != before).any() and not overlap(hypothesis, other):
-            change += (
-                evidence(other, task.data, task.kb, after).ratio - evidence(other, task.data, task.kb, before).ratio
-            )
+            with_it, without = (evidence(other, task.data, task.kb, mask).ratio for mask in (after, before))
+            change += with_it - without
     return min(0.0, change)
 
 
 def rounded(value: float | None) -> float | None:
     """An ev as the trace tells it."""
     return None if value is None else round(value, 3)
+
+
+def compared(task: Task, state: State) -> Iterator[State]:
+    """Tell what is left of the proposals from rivals of Δi, one after the other.
+
+    What is told is no proposal any more.
+    """
+    state = judged(task, state)
+    yield state
+    while state.proposals:
+        task.deadline.check()
+        hypothesis = state.proposals[0].hypothesis
+        why = refusal(task, state, hypothesis) or "of less worth than what was refined, and not acceptable then"
+        state = set_aside(task, replace(state, proposals=state.proposals[1:]), hypothesis, why)
+        yield state
+
+
+def set_aside(task: Task, state: State, hypothesis: Hypothesis, reason: str) -> State:
+    """Keep as a rival what would be acceptable alone; reject the rest, which releases its data."""
+    alone = _alone(task, state, hypothesis)
+    if alone is not None:
+        why = f"would be accepted in the place of what it conflicts with; beside that, {reason}"
+        return replace(state, rivals=(*state.rivals, alone.told(status="rival", why=why)))
+    rejected = (*state.rejected, hypothesis.told(status="rejected", why=reason))
+    return replace(state, rejected=rejected).tells(step_of("reject", reason, hypothesis))
+
+
+def left_over(state: State) -> State:
+    """Reject what was judged, and what there was no time to tell."""
+    late = [
+        proposal.hypothesis.told(status="rejected", why="the deadline came first")
+        for proposal in state.proposals
+        if proposal.beside is not None and not among(proposal.hypothesis, state.accepted)
+    ]
+    return replace(state, rejected=(*state.rejected, *late))
+
+
+def making_way(task: Task, state: State, rivals: Sequence[Hypothesis]) -> tuple[State, tuple[Hypothesis, ...]]:
+    """The rivals, each moved out of the accepted that it leaves where they are (A4), if it can be and there is time."""
+    moved = []
+    for rival in rivals:
+        found = None if task.deadline.passed else _makes_way(task, state, rival)
+        moved.append(found or rival)
+        if found is not None:
+            why = "a little, so that it does not reach into an accepted object that it touches (A4)"
+            state = state.tells(Step("move", why, rival.type))
+    return state, tuple(moved)
+
+
+def _alone(task: Task, state: State, hypothesis: Hypothesis) -> Hypothesis | None:
+    """The hypothesis beside the other accepted ones, with the data of those that it would replace.
+
+    None where it explains them worse by far.
+    """
+    replaced = [h for h in state.accepted if excludes(hypothesis, h)]
+    if not replaced:
+        return None
+    others = [h for h in state.accepted if not any(h is one for one in replaced)]
+    found = _beside(task, hypothesis, hypothesis.camera_from_object, others, rounds=1)
+    if among(found, state.accepted):
+        return None
+    enough = (found.expected(found.hidden) & found.detected).sum() >= FEWEST
+    near = found.worth > sum(h.worth for h in replaced) - task.models[hypothesis.type].significance(hypothesis)
+    return found if enough and found.ev_reconsidered is not None and near else None
+
+
+def _makes_way(task: Task, state: State, rival: Hypothesis) -> Hypothesis | None:
+    """The rival where it reaches into nobody; None where it stands so already, or cannot."""
+    others = [h for h in state.accepted if not excludes(rival, h)]
+    beside = [*others, rival]
+    poses, deep = moved_apart(
+        beside, lambda k: pose_information(beside[k], task.data.camera, task.kb), still=len(others)
+    )
+    if deep or poses[-1] is rival.camera_from_object:
+        return None
+    return _beside(task, rival, poses[-1], others, rounds=0).told(status=rival.status, why=rival.why)
+
+
+def _beside(task: Task, hypothesis: Hypothesis, pose: Floats, others: Sequence[Hypothesis], rounds: int) -> Hypothesis:
+    """The hypothesis near another pose (4, 4), beside these alone, and on the data that they leave."""
+    hidden = hidden_among(hypothesis, others)
+    posed = task.models[hypothesis.type].settle(
+        pose, task.data, task.kb, free=free(task, others), hidden=hidden, rounds=rounds
+    )
+    return judged_alone(posed, task.data, task.kb, task.dv, hidden_among(posed, others))

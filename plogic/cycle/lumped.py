@@ -10,24 +10,17 @@ A learned compound is told, and counts, once: by the part that stands for it (``
 are told for the data that they explain, and have no dv.
 """
 
-from __future__ import annotations
-
-from typing import TYPE_CHECKING, Literal
+from collections.abc import Mapping, Sequence
+from typing import Literal
 
 import numpy as np
 
-from plogic.facts.hypothesis import FeatureFact, PartFact
+from geometry.arrays import Mask
+from kb.clouds.cloud import KnowledgeBase
+from kb.clouds.lobes import Feature
+from plogic.facts.document import Cells, LeftOut, LookedRow
+from plogic.facts.hypothesis import FeatureFact, Hypothesis, PartFact
 from plogic.facts.situation import OTHERS
-
-if TYPE_CHECKING:
-    from collections.abc import Mapping, Sequence
-
-    from numpy.typing import NDArray
-
-    from kb.clouds.cloud import KnowledgeBase
-    from kb.clouds.lobes import Feature
-    from plogic.facts.document import Cells, LeftOut, LookedRow
-    from plogic.facts.hypothesis import Hypothesis
 
 Cell = Literal["expected_detected", "expected_missed", "hidden_missed", "hidden_detected"]
 CELLS: dict[str, Cell] = {
@@ -67,11 +60,9 @@ def counts(posed: Hypothesis, f: int) -> int:
 def compound_parts(posed: Hypothesis) -> tuple[PartFact, ...]:
     """The learned compounds of which something is told, as nodes of the part-whole tree (A1)."""
     kind = posed.object_type
-    whole = (
-        [kind.features[w] for w in np.unique(kind.whole[told(posed)])]
-        if len(kind.features) < len(kind.seen_features)
-        else []
-    )
+    if len(kind.features) == len(kind.seen_features):
+        return ()
+    whole = [kind.features[w] for w in np.unique(kind.whole[told(posed)])]
     return tuple(PartFact(f.name, f.name.rpartition("/")[0], "feature", f.type) for f in whole if f.parts)
 
 
@@ -115,8 +106,7 @@ def types_told(dv: Mapping[str, float], kb: KnowledgeBase, hypotheses: Sequence[
     """The table of dv without the visual words that no told feature has."""
     if kb.words is None:
         return dict(dv)
-    used = {f.type for h in hypotheses for f in h.features}
-    silent = set(kb.words.names) - used
+    silent = set(kb.words.names) - {f.type for h in hypotheses for f in h.features}
     return {name: value for name, value in dv.items() if name not in silent}
 
 
@@ -138,7 +128,6 @@ def support_document(posed: Hypothesis, dv: Mapping[str, float]) -> dict[str, Ce
             }
             for name, count in rows.items()
         }
-    some = rows.items()
     return {
         "visual words": {
             "expected_detected": sum(c.A for c in rows.values()),
@@ -146,7 +135,8 @@ def support_document(posed: Hypothesis, dv: Mapping[str, float]) -> dict[str, Ce
             "hidden_missed": sum(c.B for c in rows.values()),
             "hidden_detected": sum(c.D for c in rows.values()),
             "weights": {
-                cell: float(sum(getattr(c, letter) * dv[name] for name, c in some)) for letter, cell in CELLS.items()
+                cell: float(sum(getattr(c, letter) * dv[name] for name, c in rows.items()))
+                for letter, cell in CELLS.items()
             },
         }
     }
@@ -197,11 +187,11 @@ def _rest_looked(rest: FeatureFact) -> LookedRow:
     }
 
 
-def _notable(posed: Hypothesis) -> NDArray[np.bool_]:
+def _notable(posed: Hypothesis) -> Mask:
     return np.asarray(posed.candidate | (posed.matches >= 0))
 
 
-def _rest(posed: Hypothesis) -> NDArray[np.bool_]:
+def _rest(posed: Hypothesis) -> Mask:
     if told_in_full(posed):
         return np.zeros(len(posed.uv), dtype=bool)
     return np.asarray(posed.stands & ~_notable(posed) & posed.in_image)

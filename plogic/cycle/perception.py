@@ -1,28 +1,122 @@
-"""The perceptual cycle (figure 1, §7): attend, match, judge, choose, release; until Γ has a coherent explanation."""
+"""The perceptual cycle (figure 1, §7): attend, match, judge, choose, release; until Γ has a coherent explanation.
 
-from __future__ import annotations
+Types are tried in the order of attention (§5.3, §7): rank saturates in clutter, so ties go by the excess over chance,
+then by the rank within one lobe-consistent neighbourhood. Where something is remembered, Δp, it is looked at first, and
+a search is made only for what it leaves (§1, §7).
 
+* ``Seed``: a type and the pose that it is expected at, ``Seed(of, camera_from_object)``
+"""
+
+from collections import Counter
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from contextlib import ExitStack, closing, suppress
-from dataclasses import replace
-from typing import TYPE_CHECKING
+from dataclasses import dataclass, replace
+from typing import NamedTuple
 
+from geometry.arrays import Floats
+from kb.clouds.cloud import KnowledgeBase
 from plogic.base.clock import OutOfTimeError
-from plogic.cycle.choosing import Choice, best_first, chosen
-from plogic.cycle.judging import judged, refusal
-from plogic.cycle.recall import more_to_see, recalled
-from plogic.cycle.rivals import compared, left_over, making_way, set_aside
-from plogic.cycle.stability import concluded, glance, kept
-from plogic.cycle.state import Cycle, State, Step, Task, Trace, among, considered, free
+from plogic.cycle.choosing import Choice, acceptance, accepted, best_first, chosen, concluded, glance, kept
+from plogic.cycle.judging import compared, judge, judged, left_over, making_way, refusal, set_aside
+from plogic.cycle.state import Cycle, State, Step, Task, Trace, among, considered, free, step_of
 from plogic.cycle.support import supported
+from plogic.facts.hypothesis import Hypothesis
 from plogic.match.judged.rivals import hidden_among
-from plogic.match.judged.type_models import Given
+from plogic.match.judged.type_models import Given, TypeModel
 
-if TYPE_CHECKING:
-    from collections.abc import Iterator, Mapping, Sequence
 
-    from plogic.cycle.attention import Attention
-    from plogic.cycle.recall import Seed
-    from plogic.facts.hypothesis import Hypothesis
+@dataclass(frozen=True)
+class Attention:
+    """rank(Type), its excess over what clutter alone would give, and the best rank within one view cell.
+
+    All in [−1, 1].
+    """
+
+    type: str
+    rank: float
+    excess: float
+    within_cell: float
+
+
+def attend(models: Iterable[TypeModel], types: Sequence[str], kb: KnowledgeBase) -> list[Attention]:
+    """All types, the most promising first: by rank, then excess, then rank within one neighbourhood, then name."""
+    here, by_chance = Counter(types), Counter(chance_types(kb, len(types)))
+    ranks = {model.object_type.name: model.ranks(here, by_chance) for model in models}
+    rows = [Attention(name, row.rank, row.rank - row.by_chance, row.within_cell) for name, row in ranks.items()]
+    return sorted(
+        rows, key=lambda row: (-round(row.rank, 9), -round(row.excess, 9), -round(row.within_cell, 9), row.type)
+    )
+
+
+def chance_types(kb: KnowledgeBase, number: int) -> list[str]:
+    """What ``number`` appearances of clutter alone would be: each type in proportion to its clutter rate, rounded down."""
+    rates = {name: kb.rates.clutter.get(name, 1.0) for name in kb.appearance_types}
+    total = sum(rates.values()) or 1.0
+    return [name for name, rate in rates.items() for _ in range(int(number * rate / total))]
+
+
+RARE = 0.001
+"""Data that nobody explains are searched where clutter alone gives so many, of a type or of all, in less than this
+share of images."""
+
+
+class Seed(NamedTuple):
+    """A type, by its index, and ``camera_from_object`` (4, 4), where it is expected."""
+
+    of: TypeModel
+    camera_from_object: Floats
+
+
+def recalled(task: Task, state: State, seeds: Sequence[Seed]) -> tuple[State, list[Hypothesis]]:
+    """Accept of the seeds, in their order, what holds here; and those that do not, each with the reason why."""
+    unheld = []
+    for seed in seeds:
+        left = free(task, state.accepted)
+        proposed = seed.of.settle(seed.camera_from_object, task.data, task.kb, free=left, rounds=0)
+        hypothesis = judge(task, state.accepted, proposed, 2)
+        why = refusal(task, state, hypothesis)
+        if why is None:
+            stands = step_of("recall", "stands where it is remembered", hypothesis)
+            state = replace(state, accepted=(*state.accepted, accepted(hypothesis)))
+            state = state.tells(stands, acceptance(hypothesis))
+        else:
+            unheld.append(hypothesis.told(why=why))
+    return state, unheld
+
+
+def more_to_see(
+    task: Task, state: State, attention: Sequence[Attention], usual: Mapping[str, int]
+) -> tuple[State, tuple[Attention, ...]]:
+    """The types to search for: all, but none where what is remembered explains all but clutter, or what is ``usual``."""
+    if not state.accepted:
+        return state, tuple(attention)
+    with suppress(OutOfTimeError):  # what is remembered is accepted only when it is stable here
+        state = kept(task, state)
+    why = unexplained([task.data.types[i] for i in free(task, state.accepted).nonzero()[0]], task.kb, usual)
+    if why is not None:
+        return state.tells(Step("search", why)), tuple(attention)
+    task.searches.clear()
+    return state.tells(Step("no search", "what is left is no more than clutter")), ()
+
+
+def unexplained(types: Sequence[str], kb: KnowledgeBase, usual: Mapping[str, int]) -> str | None:
+    """Of what data of these ``types`` there are more than clutter gives, in words; None where there are no more.
+
+    ``usual``: how many of each type were left where a search found no more: where that is above the KB's clutter rate,
+    this place has so much.
+    """
+    from scipy.stats import poisson
+
+    rates = {name: kb.rates.clutter.get(name, 1.0) for name in kb.appearance_types}
+    most = max(sum(rates.values()), sum(usual.values()))
+    if poisson.sf(len(types) - 1, most) < RARE:
+        return f"{len(types)} data are left, where clutter gives {most:.0f}"
+    for name, number in sorted(Counter(types).items()):
+        expected = max(rates.get(name, 1.0), usual.get(name, 0))
+        if poisson.sf(number - 1, expected) < RARE / len(rates):
+            return f"{number} of {name} are left, where clutter gives {expected:.1f}"
+    return None
+
 
 POOL = 10
 """Proposals that are judged again in the next round, the best."""
@@ -45,7 +139,8 @@ def perceive(
     """
     state, unheld = recalled(task, State(), seeds)
     state, attended = more_to_see(task, state, attention, usual or {})
-    state = last = replace(state, attention=attended).tells(*map(_ranked, attended))
+    ranked = [Step("rank", f"rank {r.rank:.2f}, {r.excess:+.2f} against chance", r.type) for r in attended]
+    state = last = replace(state, attention=attended).tells(*ranked)
     with suppress(OutOfTimeError):
         for after in rounds(task, state, choose):
             last = after
@@ -72,7 +167,8 @@ def rounds(task: Task, state: State, choose: Choice = best_first) -> Iterator[St
 def choose_of_before(task: Task, state: State, choose: Choice) -> Iterator[State]:
     """Accept what was proposed before and can be accepted, of types whose search would rather keep it than search again."""
     yield (state := judged(task, state))
-    ready = [h for h in _under_consideration(state) if _keeps(task, h) and refusal(task, state, h) is None]
+    proposed = [proposal.hypothesis for proposal in state.proposals]
+    ready = [h for h in proposed if _keeps(task, h) and refusal(task, state, h) is None]
     yield chosen(task, state, ready, choose)
 
 
@@ -149,8 +245,8 @@ def _outcome(task: Task, state: State, unheld: Sequence[Hypothesis], attention: 
     late = task.deadline.passed
     if late:
         state = state.tells(Step("deadline", "the deadline was reached: the search is unfinished"))
-    trace = Trace(list(state.steps))
-    return Cycle(state.accepted, (*rivals, *more), state.rejected, tuple(attention), trace, unfinished=late)
+    rest, trace = (*rivals, *more), Trace(list(state.steps))
+    return Cycle(state.accepted, rest, state.rejected, tuple(attention), trace, unfinished=late)
 
 
 def _given(task: Task, state: State, said: list[str]) -> Given:
@@ -167,11 +263,3 @@ def _keeps(task: Task, hypothesis: Hypothesis) -> bool:
     """Whether it is accepted, if it can be, before more is searched for."""
     search = task.search_for(hypothesis)
     return search is not None and search.keeps
-
-
-def _under_consideration(state: State) -> list[Hypothesis]:
-    return [proposal.hypothesis for proposal in state.proposals]
-
-
-def _ranked(row: Attention) -> Step:
-    return Step("rank", f"rank {row.rank:.2f}, {row.excess:+.2f} against chance", row.type)

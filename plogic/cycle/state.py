@@ -19,21 +19,18 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 
 from plogic.base.clock import Deadline
-from plogic.match.judged.alike import same_place
-from plogic.match.judged.rivals import claims
-from plogic.match.judged.type_models import Request
+from plogic.match.judged.rivals import claims, same_place
+from plogic.match.judged.type_models import Request, Search
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Mapping, Sequence
 
-    from numpy.typing import NDArray
-
+    from geometry.arrays import Mask
     from kb.clouds.cloud import KnowledgeBase
-    from plogic.cycle.attention import Attention
+    from plogic.cycle.perception import Attention
     from plogic.facts.document import StepRow
     from plogic.facts.hypothesis import Hypothesis
     from plogic.match.gamma.data import Data
-    from plogic.match.judged.type_models import Search
     from plogic.match.kinds import Models
 
 
@@ -198,7 +195,7 @@ class Cycle:
     unfinished: bool = False
 
 
-def free(task: Task, accepted: Iterable[Hypothesis]) -> NDArray[np.bool_]:
+def free(task: Task, accepted: Iterable[Hypothesis]) -> Mask:
     """(A,) the data that none of these claims."""
     mask = np.ones(len(task.data.ids), dtype=bool)
     for hypothesis in accepted:

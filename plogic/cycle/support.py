@@ -1,4 +1,4 @@
-"""Propose poses on the plane that accepted objects stand on, where gravity holds (its constraint: ``plogic.facts.gravity``).
+"""Propose poses on the plane that accepted objects stand on, where gravity holds (its constraint: ``plogic.facts.spatial``).
 
 What two accepted objects or more stand on is one plane. What else stands there is then looked for on it alone, with far
 fewer ways to stand than a free body has poses; what leans, hangs or lies on something else is found as before, by the
@@ -7,26 +7,18 @@ search that knows of no plane.
 * ``Support``: the plane, and which hypotheses stand on it, ``Support(Plane(...), (0, 2))``
 """
 
-from __future__ import annotations
-
+from collections.abc import Sequence
 from contextlib import closing
-from typing import TYPE_CHECKING, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 
+from geometry.arrays import Floats
 from geometry.bodies.resting import Plane
-
-if TYPE_CHECKING:
-    from collections.abc import Sequence
-
-    from numpy.typing import NDArray
-
-    from plogic.facts.hypothesis import Hypothesis
-    from plogic.match.gamma.data import Data
-    from plogic.match.judged.type_models import Given, Request, TypeModel
-    from plogic.match.kinds import Models
-
-    Floats = NDArray[np.float64]
+from plogic.facts.hypothesis import Hypothesis
+from plogic.match.gamma.data import Data
+from plogic.match.judged.type_models import Given, Request, TypeModel
+from plogic.match.kinds import Models
 
 TILT, GAP = 0.087, 0.02
 """Two objects stand on one plane whose normals differ by less (radians, 5 degrees), and whose heights do by less than

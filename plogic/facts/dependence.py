@@ -18,6 +18,7 @@ from graphlib import CycleError, TopologicalSorter
 from typing import TYPE_CHECKING
 
 from plogic.base.errors import TooManyHypothesesError
+from plogic.base.walk import by_key
 
 if TYPE_CHECKING:
     from collections.abc import Iterable
@@ -50,12 +51,8 @@ class Scene:
     @cached_property
     def claimants(self) -> dict[str, list[tuple[Hypothesis, FeatureFact]]]:
         """Appearance id → the candidate features that are matched to it, in the order of Δh."""
-        found: dict[str, list[tuple[Hypothesis, FeatureFact]]] = {}
-        for h in self.situation.hypotheses:
-            for f in h.features:
-                if f.match is not None and h.expects(f):
-                    found.setdefault(f.match, []).append((h, f))
-        return found
+        features = ((h, f) for h in self.situation.hypotheses for f in h.features)
+        return by_key((f.match, (h, f)) for h, f in features if f.match is not None and h.expects(f))
 
     def rival(self, x: str, y: str) -> bool:
         """Whether the two never hide each other (§4.1)."""
@@ -159,10 +156,7 @@ def _settled(of: dict[str, tuple[str, ...]]) -> set[str]:
 def _components(of: dict[str, list[str]]) -> list[tuple[str, ...]]:
     import networkx as nx
 
-    graph = nx.DiGraph()
-    graph.add_nodes_from(of)
-    graph.add_edges_from((h, g) for h, gs in of.items() for g in gs)
-    return [tuple(sorted(block)) for block in nx.strongly_connected_components(graph)]
+    return [tuple(sorted(block)) for block in nx.strongly_connected_components(nx.DiGraph(of))]
 
 
 def _limit_joint(of: dict[str, tuple[str, ...]], blocks: tuple[tuple[str, ...], ...]) -> dict[str, tuple[str, ...]]:

@@ -20,6 +20,7 @@ from plogic.facts.fact_rows import (
     Point3,
     Pose,
     Positive,
+    RelatedRow,
     Slightly,
     SpaceRow,
 )
@@ -195,13 +196,10 @@ class WorldRow(TypedDict):
     interval: NotRequired[Interval]
 
 
-class RelationRow(TypedDict):
+class RelationRow(RelatedRow):
     """P(a relation holds of two that are both present)."""
 
-    relation: Name
-    args: Pair
     probability: Slightly
-    roc: NotRequired[Name]
     interval: NotRequired[Interval]
 
 

@@ -53,44 +53,35 @@ class FootRow(TypedDict):
     high: float
 
 
-class RestsRow(TypedDict):
-    """The first rests on the second where both are present."""
+class OrderedRow(TypedDict):
+    """The first rests on the second where both are present; or is a feature, ``h1/roof/apex``, and the second is before it."""
 
-    fact: Literal["rests_on"]
+    fact: Literal["rests_on", "behind"]
     args: Pair
 
 
-class RocKey(TypedDict):
-    """The relation of ROC-20, where it is told."""
+class RelatedRow(TypedDict):
+    """A relation of two; ``roc``: that of ROC-20, where it is told."""
 
+    relation: Name
+    args: Pair
     roc: NotRequired[Name]
 
 
-class RelationFact(RocKey):
+class RelationFact(RelatedRow):
     """A relation of two hypotheses, decided by outlines and depth."""
 
     fact: Literal["relation"]
-    relation: Name
-    args: Pair
 
 
-class PartRelationFact(RocKey):
+class PartRelationFact(RelatedRow):
     """The same of their parts; '' is the whole."""
 
     fact: Literal["part_relation"]
-    relation: Name
-    args: Pair
     parts: Pair
 
 
-class BehindRow(TypedDict):
-    """A feature, ``h1/roof/apex``, and who is before it."""
-
-    fact: Literal["behind"]
-    args: Pair
-
-
-Fact = PairRow | OverlapRow | FootRow | RestsRow | RelationFact | PartRelationFact | BehindRow
+Fact = PairRow | OverlapRow | FootRow | OrderedRow | RelationFact | PartRelationFact
 
 
 class BodyRow(TypedDict):
@@ -115,7 +106,7 @@ class SpaceRow(TypedDict):
 
 
 class GravityRow(TypedDict):
-    """``plogic.facts.gravity.Gravity`` without its facts."""
+    """``plogic.facts.spatial.Gravity`` without its facts."""
 
     unknown_support: Chance
     ground: float | None

@@ -291,9 +291,9 @@ VERDICT = "worth", "surplus", "ev", "ev_reconsidered", "status", "why"
 def part_facts(object_type: ObjectType) -> tuple[PartFact, ...]:
     """A fact for every part and feature below the maximal object, in the tree's order."""
     tree = object_type.tree
-    facts = []
-    for node, attributes in tree.nodes(data=True):
-        if node and attributes["kind"] != "appearance":
-            (parent,) = tree.predecessors(node)
-            facts.append(PartFact(node, parent, attributes["kind"], attributes["type"]))
-    return tuple(facts)
+    return tuple(
+        PartFact(node, parent, attributes["kind"], attributes["type"])
+        for node, attributes in tree.nodes(data=True)
+        if node and attributes["kind"] != "appearance"
+        for parent in tree.predecessors(node)
+    )

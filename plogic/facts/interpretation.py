@@ -16,17 +16,16 @@ from geometry.files.plain_files import JsonError, json_of
 from plogic.base.errors import InterpretationError
 from plogic.base.shapes import mistakes
 from plogic.facts.document import Case, FeatureRow, HypothesisFacts, HypothesisRow, Interpretation, StandsKey
-from plogic.facts.gravity import gravity_facts, gravity_of
 from plogic.facts.hypothesis import FeatureFact, Hypothesis, PartFact
 from plogic.facts.sanity import faults
 from plogic.facts.situation import AppearanceFact, PairFact, Situation, stopped_in
-from plogic.facts.spatial import overlap_document, space_of
+from plogic.facts.spatial import gravity_facts, gravity_of, overlap_document, space_of
 
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
     from pathlib import Path
 
-    from plogic.facts.fact_rows import Fact, PartRelationFact, RelationFact, RocKey
+    from plogic.facts.fact_rows import Fact, RelatedRow
 
 FORMAT: Final = "interpretation/1"
 LARGEST = 256 * 2**20
@@ -39,10 +38,14 @@ def facts_of(situation: Situation) -> list[Fact]:
     facts += [{"fact": "rival", "args": list(pair)} for pair in sorted(situation.rivals)]
     facts += [{"fact": "exclusive", "args": list(pair)} for pair in sorted(situation.exclusive)]
     facts += gravity_facts(situation.gravity)
-    facts += [_relation_document(r) for r in situation.relations]
-    facts += [_part_relation_document(r) for r in situation.part_relations]
-    for h in situation.hypotheses:
-        facts += [{"fact": "behind", "args": [f"{h.id}/{f.id}", other]} for f in h.features for other in f.hidden_by]
+    facts += [{"fact": "relation", **_related(r)} for r in situation.relations]
+    facts += [{"fact": "part_relation", **_related(r), "parts": list(r.parts)} for r in situation.part_relations]
+    facts += [
+        {"fact": "behind", "args": [f"{h.id}/{f.id}", other]}
+        for h in situation.hypotheses
+        for f in h.features
+        for other in f.hidden_by
+    ]
     return facts
 
 
@@ -64,7 +67,9 @@ def situation_of(document: Interpretation) -> Situation:
         space=space_of(document.get("space"), facts),
         gravity=gravity_of(document.get("gravity"), facts),
         relations=tuple(_relation(f) for f in facts if f["fact"] == "relation"),
-        part_relations=tuple(_part_relation(f) for f in facts if f["fact"] == "part_relation"),
+        part_relations=tuple(
+            _relation(f, (f["parts"][0], f["parts"][1])) for f in facts if f["fact"] == "part_relation"
+        ),
         priors=dict(document["priors"]),
         dv=dict(document["measures"]["dv"]),
         rank=dict(document["measures"]["rank"]),
@@ -73,25 +78,15 @@ def situation_of(document: Interpretation) -> Situation:
     )
 
 
-def _relation_document(r: PairFact) -> RelationFact:
-    row: RelationFact = {"fact": "relation", "relation": r.relation, "args": [r.x, r.y]}
+def _related(r: PairFact) -> RelatedRow:
+    row: RelatedRow = {"relation": r.relation, "args": [r.x, r.y]}
     return {**row, "roc": r.roc} if r.roc else row
 
 
-def _part_relation_document(r: PairFact) -> PartRelationFact:
-    roc: RocKey = {"roc": r.roc} if r.roc else {}
-    return {"fact": "part_relation", "relation": r.relation, "args": [r.x, r.y], **roc, "parts": list(r.parts)}
-
-
-def _relation(fact: RelationFact) -> PairFact:
+def _relation(fact: RelatedRow, parts: tuple[str, str] = ("", "")) -> PairFact:
     """Documents of before ROC-20 tell the coarse relation alone."""
     x, y = fact["args"]
-    return PairFact(fact["relation"], x, y, fact.get("roc", ""))
-
-
-def _part_relation(fact: PartRelationFact) -> PairFact:
-    (x, y), (of_x, of_y) = fact["args"], fact["parts"]
-    return PairFact(fact["relation"], x, y, fact.get("roc", ""), (of_x, of_y))
+    return PairFact(fact["relation"], x, y, fact.get("roc", ""), parts)
 
 
 def _pairs(facts: Sequence[Fact], name: str) -> frozenset[tuple[str, str]]:

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 from geometry.visibility.roc import ROC20, coarse
 from plogic.base.errors import SituationError
-from plogic.facts.gravity import GROUND, Gravity
+from plogic.facts.spatial import GROUND, Gravity
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator
@@ -41,12 +41,10 @@ def faults(situation: Situation) -> Iterator[str]:
     yield from _of_space(situation.space, ids)
     if situation.gravity is not None:
         yield from _of_gravity(situation.gravity, ids)
-    for a in situation.appearances:
-        yield from _number(f"appearance {a.id}: clutter", a.clutter, 0.0, math.inf)
+    yield from _numbers(((f"appearance {a.id}: clutter", a.clutter) for a in situation.appearances), 0.0, math.inf)
     for h in situation.hypotheses:
         yield from _of_hypothesis(h, ids, data)
-    for name, prior in situation.priors.items():
-        yield from _number(f"prior of {name}", prior, 0.0, 1.0)
+    yield from _numbers(((f"prior of {name}", prior) for name, prior in situation.priors.items()), 0.0, 1.0)
     yield from _number("smoothing", situation.smoothing, 0.0, 0.5)
 
 
@@ -55,13 +53,10 @@ def _of_space(space: Space, ids: Ids) -> Iterator[str]:
     yield from _twice("space: body of hypothesis", [body.id for body in space.bodies])
     for body in space.bodies:
         yield from _number(f"space: {body.id}: nearest", body.nearest, 0.0, math.inf)
-        for metres in body.middle:
-            yield from _number(f"space: {body.id}: middle", metres, -math.inf, math.inf)
-    for x, y, gap in space.gaps:
-        yield from _number(f"space: gap of {x} and {y}", gap, 0.0, math.inf)
-    for shared in space.shared:
-        for value in (shared.volume, *shared.depth):
-            yield from _number(f"overlap of {shared.x} and {shared.y}", value, 0.0, math.inf)
+        yield from _numbers(((f"space: {body.id}: middle", m) for m in body.middle), -math.inf, math.inf)
+    yield from _numbers(((f"space: gap of {x} and {y}", gap) for x, y, gap in space.gaps), 0.0, math.inf)
+    shared = ((f"overlap of {s.x} and {s.y}", value) for s in space.shared for value in (s.volume, *s.depth))
+    yield from _numbers(shared, 0.0, math.inf)
 
 
 def _of_gravity(gravity: Gravity, ids: Ids) -> Iterator[str]:
@@ -80,9 +75,7 @@ def _of_gravity(gravity: Gravity, ids: Ids) -> Iterator[str]:
     for foot in gravity.feet:
         yield from _number(f"gravity: foot of {foot.id}: low", foot.low, -math.inf, foot.high)
         yield from _number(f"gravity: foot of {foot.id}: high", foot.high, foot.low, math.inf)
-    for x, y in gravity.rests:
-        if x == y:
-            yield f"gravity: {x!r} rests on itself"
+    yield from (f"gravity: {x!r} rests on itself" for x, y in gravity.rests if x == y)
 
 
 def _of_relation(fact: PairFact, ids: Ids, nodes: dict[str, Ids]) -> Iterator[str]:
@@ -109,8 +102,7 @@ def _of_feature(place: str, f: FeatureFact, ids: Ids, data: Ids) -> Iterator[str
     yield from _unknown(f"{place}: hidden_by", f.hidden_by, ids)
     if f.match is not None:
         yield from _unknown(f"{place}: match", (f.match,), data)
-    yield from _number(f"{place}: dv", f.dv, 0.0, math.inf)
-    yield from _number(f"{place}: density", f.density, 0.0, math.inf)
+    yield from _numbers(((f"{place}: dv", f.dv), (f"{place}: density", f.density)), 0.0, math.inf)
     yield from _number(f"{place}: hit_rate", f.hit_rate, 0.0, 1.0)
 
 
@@ -120,9 +112,12 @@ def _twice(what: str, ids: list[str]) -> Iterator[str]:
 
 
 def _unknown(place: str, names: Iterable[str], ids: Ids) -> Iterator[str]:
-    for name in names:
-        if name not in ids:
-            yield f"{place}: {name!r} is unknown"
+    yield from (f"{place}: {name!r} is unknown" for name in names if name not in ids)
+
+
+def _numbers(rows: Iterable[tuple[str, float]], low: float, high: float) -> Iterator[str]:
+    for place, value in rows:
+        yield from _number(place, value, low, high)
 
 
 def _number(place: str, value: float, low: float, high: float) -> Iterator[str]:

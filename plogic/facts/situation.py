@@ -27,8 +27,8 @@ if TYPE_CHECKING:
     from collections.abc import Iterator
 
     from plogic.facts.document import Marks
-    from plogic.facts.gravity import Gravity
     from plogic.facts.hypothesis import Hypothesis
+    from plogic.facts.spatial import Gravity
 
 Reading = Literal["score", "posterior"]
 Reconsider = Literal["to_B", "drop", "reassign"]

@@ -23,6 +23,8 @@ from typing import TYPE_CHECKING, Any, NamedTuple, TypeVar
 
 import numpy as np
 
+from plogic.base.walk import by_key
+
 if TYPE_CHECKING:
     from collections.abc import Iterable, Sequence
 
@@ -131,10 +133,8 @@ def _pieces(cards: Sequence[int], joined: dict[tuple[int, ...], NDArray[np.float
 
 def connected(graph: FactorGraph) -> list[tuple[int, ...]]:
     """The variables of each connected piece, increasing, those of card 1 too; the pieces by their least variable."""
-    found: dict[int, list[int]] = {}
-    for v, root in enumerate(roots(len(graph.cards), (factor.scope for factor in graph.factors))):
-        found.setdefault(root, []).append(v)
-    return [tuple(piece) for piece in found.values()]
+    root = roots(len(graph.cards), (factor.scope for factor in graph.factors))
+    return list(map(tuple, by_key(zip(root, range(len(root)), strict=True)).values()))
 
 
 def roots(count: int, scopes: Iterable[tuple[int, ...]]) -> list[int]:

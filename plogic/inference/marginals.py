@@ -198,7 +198,11 @@ def _cases(part: Part, order: Order, width: float, clock: Clock) -> Beliefs:
     if clock.end is None:
         cut = cutset(part, order, width, EFFORT, clock)
         if cut is None or cut.work(part.cards) > EFFORT:
-            raise WidthError(_hopeless(part, order, width))
+            raise WidthError(
+                f"{len(part.cards)} variables hang together so closely that exact sums need tables of {order.width:.1f} bits "
+                f"(the limit is {width:g}), and more than 2^{EFFORT:g} cells case by case; with a deadline (seconds) the answer is "
+                f"intervals"
+            )
         return conditioned(part, cut, PRUNE, clock)
     budget = _bits(clock.left() / 2)
     bits = min(width, BUCKET, max(PRUNE, budget - 14.0))
@@ -206,13 +210,6 @@ def _cases(part: Part, order: Order, width: float, clock: Clock) -> Beliefs:
     if cut and not _fair(cut.work(part.cards), math.prod(part.cards[v] for v in cut.fixed) * len(cut.buckets), clock):
         cut = cutset(part, order, min(width, max(6.0, budget - 8.0)), MOST_CUT_BITS, clock) or cut
     return conditioned(part, cut, bits, clock) if cut else glanced(part, order.sequence, bits, clock)
-
-
-def _hopeless(part: Part, order: Order, width: float) -> str:
-    return (
-        f"{len(part.cards)} variables hang together so closely that exact sums need tables of {order.width:.1f} bits "
-        f"(the limit is {width:g}), and more than 2^{EFFORT:g} cells case by case; with a deadline (seconds) the answer is intervals"
-    )
 
 
 WIDTH = 20.0  # bits: tables of 2^20 doubles are 8 MB
@@ -317,17 +314,19 @@ class Remembered:
     def beliefs(self, graph: FactorGraph, *, width: float = WIDTH, seconds: float | None = None) -> Beliefs:
         """See ``plogic.inference.marginals.beliefs``; an interval that a deadline left is not remembered."""
         log_z, parts = split(graph)
-        keys = [_key(part, width) for part in parts]
+        keys: list[Key] = [
+            (
+                part.cards,
+                tuple([scope for scope, _ in part.tables]),
+                tuple([table.tobytes() for _, table in part.tables]),
+                width,
+            )
+            for part in parts
+        ]
         new = {key: part for key, part in zip(keys, parts, strict=True) if key not in self._known}
         fresh = dict(zip(new, solve_all(list(new.values()), width, Clock(seconds)), strict=True))
         self.solved += len(fresh)
-        result = assembled(
-            graph.cards, log_z, parts, [fresh[key] if key in fresh else self._known[key] for key in keys]
-        )
-        self._remember(keys, fresh)
-        return result
-
-    def _remember(self, keys: list[Key], fresh: dict[Key, Beliefs]) -> None:
+        solved = [fresh[key] if key in fresh else self._known[key] for key in keys]
         for key in keys:
             if key in self._known:
                 self._known.move_to_end(key)
@@ -335,12 +334,4 @@ class Remembered:
                 self._known[key] = fresh[key]
         while len(self._known) > self._pieces:
             self._known.popitem(last=False)
-
-
-def _key(part: Part, width: float) -> Key:
-    return (
-        part.cards,
-        tuple([scope for scope, _ in part.tables]),
-        tuple([table.tobytes() for _, table in part.tables]),
-        width,
-    )
+        return assembled(graph.cards, log_z, parts, solved)

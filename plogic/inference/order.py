@@ -23,6 +23,8 @@ import heapq
 import math
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
+from functools import reduce
+from operator import or_
 from typing import NamedTuple
 
 EASY = 12.0  # bits; up to here min-fill's order is taken as it is
@@ -45,9 +47,7 @@ def neighbours(count: int, scopes: Iterable[Sequence[int]]) -> list[int]:
     """Per variable, the variables that share a scope with it, as bits of an integer (never itself)."""
     result = [0] * count
     for scope in scopes:
-        mask = 0
-        for v in scope:
-            mask |= 1 << v
+        mask = sum([1 << v for v in scope])
         for v in scope:
             result[v] |= mask
     return [mask & ~(1 << v) for v, mask in enumerate(result)]
@@ -180,10 +180,7 @@ def _last(graph: Sequence[int], left: int, start: int) -> int:
     """The last variable that a breadth-first walk reaches: of twice such walks, one far from all others of its piece."""
     seen = level = 1 << start
     while True:
-        after = 0
-        for v in members(level):
-            after |= graph[v]
-        after &= left & ~seen
+        after = reduce(or_, [graph[v] for v in members(level)]) & left & ~seen
         if not after:
             return min(members(level), key=lambda v: (graph[v].bit_count(), v))
         seen |= after
@@ -254,18 +251,12 @@ def _merged(
     """(parent of each bucket that stays, bucket of every variable, residual of each bucket that stays), a bucket named by its last variable."""
     parents = {v: min(members(order.rests[v]), key=turn.__getitem__, default=-1) for v in order.sequence}
     residuals = {v: [v] for v in order.sequence}
-    cells = {}
-    for v in order.sequence:
-        cells[v] = cards[v]
-        for u in members(order.rests[v]):
-            cells[v] *= cards[u]
+    cells = {v: cards[v] * math.prod([cards[u] for u in members(order.rests[v])]) for v in order.sequence}
     for v in order.sequence:
         parent = parents[v]
         if parent < 0:
             continue
-        size = cells[parent]
-        for u in residuals[v]:
-            size *= cards[u]
+        size = cells[parent] * math.prod([cards[u] for u in residuals[v]])
         if size <= max(BUCKET_CELLS, cells[v]):
             residuals[parent] += residuals.pop(v)
             cells[parent] = size

@@ -31,9 +31,8 @@ from plogic.base.clock import Clock, OutOfTimeError
 from plogic.inference.graph import FactorGraph, Part, split
 from plogic.inference.marginals import WIDTH, plan
 from plogic.inference.merge import Stream, sums
-from plogic.inference.ranked_component import component
+from plogic.inference.ranked_component import component, wide
 from plogic.inference.ranked_tables import DIGITS, Digits, joint, placed
-from plogic.inference.ranked_wide import wide
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -160,13 +159,9 @@ def _merged(graph: FactorGraph, clock: Clock) -> Iterator[State]:
     width = (max(graph.cards, default=1) - 1).bit_length() + 7 >> 3 or 1  # bytes a state
     bits = 8 * width * count
     places = [1 << (bits - 8 * width * (v + 1)) for v in range(count)]
-    tops, streams = [constant], []
-    for part in parts:
-        top, stream = _stream(part, Digits([places[v] for v in part.variables], bits), clock)
-        tops.append(top)
-        streams.append(stream)
-    constant, mask = math.fsum(tops), (1 << bits) - 1
-    for solution in _tied(sums(streams, clock), bits):
+    pieces = [_stream(part, Digits([places[v] for v in part.variables], bits), clock) for part in parts]
+    constant, mask = math.fsum([constant, *(top for top, _ in pieces)]), (1 << bits) - 1
+    for solution in _tied(sums([stream for _, stream in pieces], clock), bits):
         yield constant - (solution >> bits) / _UNITS, _decoded(solution & mask, count, width)
 
 

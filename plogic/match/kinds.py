@@ -4,23 +4,16 @@
 * ``Models``: the types of all kinds, by name
 """
 
-from __future__ import annotations
+from collections.abc import Callable, Iterator, Mapping
+from pathlib import Path
+from typing import NamedTuple
 
-from collections.abc import Mapping
-from typing import TYPE_CHECKING, NamedTuple
-
+from kb.clouds.cloud import KnowledgeBase, ObjectType
 from plogic.match.hand.hand_models import HandModels
-from plogic.match.judged.type_models import Setup
+from plogic.match.judged.type_models import Setup, TypeModel, TypeModels
 from plogic.match.learned.learned_models import LearnedModels
 from plogic.match.oriented.oriented_models import OrientedModels
 from plogic.match.plain.plain_models import Quadruples, SoftPosit
-
-if TYPE_CHECKING:
-    from collections.abc import Callable, Iterator
-    from pathlib import Path
-
-    from kb.clouds.cloud import KnowledgeBase, ObjectType
-    from plogic.match.judged.type_models import TypeModel, TypeModels
 
 FAST = "index"
 """The generator of every day, of the kinds that need not be asked for."""

@@ -27,9 +27,7 @@ Case = Literal["A", "B", "C", "D"]
 
 def case_of(*, expected: bool, detected: bool) -> Case:
     """The four cases of §4: A is E∧D, C is E∧¬D, B is ¬E∧¬D, D is ¬E∧D."""
-    if expected:
-        return "A" if detected else "C"
-    return "D" if detected else "B"
+    return ("A" if detected else "C") if expected else ("D" if detected else "B")
 
 
 @dataclass(frozen=True)

@@ -12,6 +12,7 @@ from collections import Counter
 from typing import TYPE_CHECKING, Any
 
 from kb.clouds.cloud import Counts, Rates
+from plogic.base.walk import by_key
 
 if TYPE_CHECKING:
     from collections.abc import Collection, Iterator, Mapping, Sequence
@@ -23,12 +24,9 @@ if TYPE_CHECKING:
 
 def counted(records: Sequence[Record]) -> Counts:
     """What is observed outright: [hits, expected] a feature type, [appearances, images] an appearance type, [present, slots] a type."""
-    hits: dict[str, list[bool]] = {}
-    slots: dict[str, list[bool]] = {}
-    for slot in (slot for record in records for slot in record.slots if slot.present is not None):
-        slots.setdefault(slot.object_type, []).append(bool(slot.present))
-        for sighting in slot.sightings if slot.present else ():
-            hits.setdefault(sighting.feature_type, []).append(sighting.near)
+    known = [slot for record in records for slot in record.slots if slot.present is not None]
+    slots = by_key((slot.object_type, bool(slot.present)) for slot in known)
+    hits = by_key((s.feature_type, s.near) for slot in known if slot.present for s in slot.sightings)
     whole = [record.clutter for record in records if record.clutter is not None]
     noise = Counter({name: 0 for clutter in whole for name in clutter})
     for clutter in whole:
@@ -136,10 +134,8 @@ def _fitted(slots: Sequence[Slot], observed: Counts, start: Rates) -> tuple[dict
 
 
 def _program(slots: Sequence[Slot], kinds: list[str], features: list[str], start: Rates) -> Iterator[str]:
-    for k, name in enumerate(kinds):
-        yield f"t({_inside(start.prior[name])})::present({k}, I) :- slot(I, {k})."
-    for j, name in enumerate(features):
-        yield f"t({_inside(start.hit[name])})::hit({j}, I, F) :- seen(I, F, {j})."
+    yield from (f"t({_inside(start.prior[name])})::present({k}, I) :- slot(I, {k})." for k, name in enumerate(kinds))
+    yield from (f"t({_inside(start.hit[name])})::hit({j}, I, F) :- seen(I, F, {j})." for j, name in enumerate(features))
     yield "near(I, F) :- slot(I, K), present(K, I), seen(I, F, J), hit(J, I, F)."
     yield "near(I, F) :- chance(I, F)."
     yield from (f"slot(observed, {k})." for k in range(len(kinds)))

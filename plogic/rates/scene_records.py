@@ -16,8 +16,8 @@ import numpy as np
 from geometry.files.plain_files import JsonError, json_of
 from plogic.base.errors import InputError
 from plogic.match.gamma.data import Data, data_of
-from plogic.match.judged.alike import same_place
 from plogic.match.judged.expectation import hidden_by, matched, pose_of
+from plogic.match.judged.rivals import same_place
 from plogic.measures.distinctiveness import compatible
 
 if TYPE_CHECKING:

@@ -32,17 +32,16 @@ from plogic.facts.document import (
     Verdict,
     WorldRow,
 )
-from plogic.facts.gravity import gravity_document
 from plogic.facts.hypothesis import Hypothesis
 from plogic.facts.interpretation import FORMAT, facts_of, hypothesis_document
 from plogic.facts.situation import OTHERS, PairFact, Situation
-from plogic.facts.spatial import apart_of, space_document
-from plogic.match.judged.outline_rings import outline_rings
+from plogic.facts.spatial import apart_of, gravity_document, space_document
+from plogic.match.judged.evidence import outline_rings
 from plogic.measures.distinctiveness import distinctiveness, instance_counts, probability_of_distinctiveness
 from plogic.measures.explanatory import case_of, probability_of_ev
 from plogic.run.carried import image_asset, mesh_assets, sensing_document, types_document
 from plogic.scene.factors.asked_formulas import together
-from plogic.scene.readings.score_reading import p_ev
+from plogic.scene.readings.world_weights import p_ev
 from plogic.scene.worlds.predictions import doubts
 from plogic.scene.worlds.ranked_worlds import Ranking
 from sensing.appearance import Gamma

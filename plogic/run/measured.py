@@ -20,7 +20,7 @@ from plogic.facts.hypothesis import FeatureFact, Hypothesis
 from plogic.facts.interpretation import situation_of
 from plogic.facts.situation import OTHERS, Reconsider, Situation
 from plogic.measures.explanatory import Cells, case_of, explanatory_value, shanahan_values
-from plogic.scene.readings.score_reading import p_ev
+from plogic.scene.readings.world_weights import p_ev
 from plogic.scene.worlds.ranked_worlds import ranked_worlds
 
 MODES: tuple[Reconsider, ...] = ("to_B", "drop", "reassign")

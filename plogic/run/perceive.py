@@ -13,10 +13,8 @@ from plogic.base.clock import Stopwatch
 from plogic.base.errors import InconsistentError, InputError
 from plogic.base.jobs import processors
 from plogic.base.remembered import cache_folder
-from plogic.cycle.attention import attend
 from plogic.cycle.delta import Delta, Options, delta_of
-from plogic.cycle.perception import perceive
-from plogic.cycle.recall import Seed
+from plogic.cycle.perception import Seed, attend, perceive
 from plogic.cycle.state import Cycle, Task
 from plogic.facts.document import Interpretation, StepRow
 from plogic.facts.hypothesis import Hypothesis

@@ -25,7 +25,7 @@ from geometry.frames import from_rotation_translation, rotation_from_quat_xyzw, 
 from plogic.cycle.judging import FEWEST
 from plogic.cycle.state import same_hypothesis
 from plogic.match.gamma.data import data_of
-from plogic.match.judged.alike import SAME_ROTATION
+from plogic.match.judged.rivals import SAME_ROTATION
 from plogic.rates.scene_records import TrueObject
 from plogic.run.perceive import Perceiver
 

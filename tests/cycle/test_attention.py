@@ -8,7 +8,7 @@ import pytest
 from synthetic import camera_pose, perceiver, scene, towers
 
 from benchmarks.clutter.types import random_types, type_names
-from plogic.cycle.attention import attend, chance_types
+from plogic.cycle.perception import attend, chance_types
 from plogic.match.hand.hand_models import type_index
 from plogic.measures.distinctiveness import compatible, rank
 

@@ -21,9 +21,9 @@ import plogic.run.document
 from kb.clouds.learned import LearnedCloud, numbered
 from kb.files.read import read_kb
 from plogic.base.clock import Stopwatch
-from plogic.cycle.attention import attend
 from plogic.cycle.delta import Options
 from plogic.cycle.lumped import looked_at, told
+from plogic.cycle.perception import attend
 from plogic.facts.interpretation import situation_of, text_of
 from plogic.facts.situation import OTHERS
 from plogic.measures.explanatory import case_of, explanatory_value

@@ -25,15 +25,13 @@ from synthetic import (
 from geometry.frames import look_at
 from plogic.base import clock as deadline
 from plogic.base.clock import Stopwatch
-from plogic.cycle.attention import attend
+from plogic.cycle.choosing import reconsidered
 from plogic.cycle.delta import Options
 from plogic.cycle.judging import FEWEST, judge, refusal
-from plogic.cycle.perception import perceive
-from plogic.cycle.stability import reconsidered
+from plogic.cycle.perception import attend, perceive
 from plogic.cycle.state import Stable, State, considered
-from plogic.match.judged.alike import same_place
 from plogic.match.judged.expectation import hidden_by
-from plogic.match.judged.rivals import claims, overlap
+from plogic.match.judged.rivals import claims, overlap, same_place
 from plogic.run.perceive import ranked
 from sensing.appearance import Appearance, Gamma
 

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from synthetic import cycle_of, one_before_the_other, scene, side_by_side
 
-from plogic.cycle import judging, stability
+from plogic.cycle import choosing, judging
 
 
 def told(cycle):
@@ -31,6 +31,6 @@ def test_a_cycle_that_remembers_nothing_comes_to_the_same(monkeypatch, stand, se
     rng = np.random.default_rng(seed)
     gamma = scene(rng, stand(rng)).gamma
     with_memory = told(cycle_of(gamma))
-    for module in (judging, stability):
+    for module in (judging, choosing):
         monkeypatch.setattr(module, "apart_on_screen", lambda *_: False)
     assert told(cycle_of(gamma)) == with_memory

@@ -16,7 +16,7 @@ from scipy.spatial.transform import Rotation
 
 from geometry.bodies.columns import STEEP
 from kb.surfaces.surface import Surface
-from plogic.cycle.holding import Laid, foot_of, gravity_of_view, rests_of
+from plogic.cycle.placing import Laid, foot_of, gravity_of_view, rests_of
 
 QUICK = settings(max_examples=40, deadline=None, derandomize=True, suppress_health_check=list(HealthCheck))
 ALLOWED = 0.005

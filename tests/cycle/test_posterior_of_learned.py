@@ -20,9 +20,8 @@ from kb.surfaces.surface import Surface
 from plogic.cycle.delta import Options, delta_of
 from plogic.cycle.state import Cycle, Trace
 from plogic.logic.safety.author import load_problog
-from plogic.match.judged.evidence import CLEAR, clarity, evidence, hit_rates
+from plogic.match.judged.evidence import CLEAR, clarity, evidence, hit_rates, log_share
 from plogic.match.judged.expectation import hidden_by
-from plogic.match.judged.pose_information import log_share
 from plogic.scene.text.program_text import program_text, query_lines
 from plogic.scene.worlds.ranked_worlds import ranked_worlds
 

@@ -7,8 +7,8 @@ import pytest
 from synthetic import belief_at, data, one_before_the_other, scene
 
 from geometry.visibility.roc import ROC20
-from plogic.cycle import relations
-from plogic.cycle.relations import part_relations_of, relations_of
+from plogic.cycle import delta as relations
+from plogic.cycle.delta import part_relations_of, relations_of
 from plogic.facts.situation import both_ways
 
 

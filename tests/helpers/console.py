@@ -21,6 +21,19 @@ SECONDS = 120
 
 READ_LATE = frozenset({"XDG_CACHE_HOME", "XDG_STATE_HOME", "NO_COLOR", "PLOGIC_TRACEBACK", "COLUMNS", "TERM", "HOME"})
 """Variables that are read while a command runs, not while Python starts or packages are imported."""
+FEWER = """\
+import os
+import kb.learning.observations as views
+count = int(os.environ.get("TEST_DIRECTIONS", "26"))
+views.PIXELS, views.DIRECTIONS = (160.0, 115.0, 80.0), count
+"""
+"""Read by Python as it starts: the console script itself is as it is, its views are fewer and smaller."""
+
+
+def few_views(folder: Path) -> dict[str, str]:
+    """Variables with which a type is learned from few and small views, and kept below ``folder``."""
+    (folder / "sitecustomize.py").write_text(FEWER)
+    return {"PYTHONPATH": str(folder), "XDG_CACHE_HOME": str(folder / "cache")}
 
 
 def plogic(
@@ -33,7 +46,8 @@ def plogic(
     """
     variables = {key: value for key, value in os.environ.items() if key not in ("NO_COLOR", "PLOGIC_TRACEBACK")} | env
     command = [str(BIN / "plogic"), *map(str, args)]
-    if env.keys() <= READ_LATE:
+    few = (Path(env.get("PYTHONPATH", "")) / "sitecustomize.py").is_file()
+    if env.keys() <= READ_LATE | ({"PYTHONPATH", "TEST_DIRECTIONS"} if few else set()):
         return _copies().run(command, str(cwd or Path.cwd()), stdin or "", variables)
     return subprocess.run(
         command, cwd=cwd, input=stdin or "", capture_output=True, text=True, timeout=SECONDS, check=False, env=variables

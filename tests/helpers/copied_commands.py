@@ -13,6 +13,7 @@ import importlib
 import json
 import os
 import pkgutil
+import runpy
 import sys
 import threading
 import traceback
@@ -21,8 +22,12 @@ from contextlib import suppress
 from pathlib import Path
 
 PACKAGES = "geometry", "kb", "sensing", "plogic"
-LEFT_OUT = "plogic.logic."
-"""Imported by each command that needs it: ProbLog, which it brings, sets the limit of recursion."""
+OTHERS = "trimesh", "embreex.mesh_construction", "embreex.rtcore", "embreex.rtcore_scene", "manifold3d", "rich.console"
+"""Imported by functions of ours, when they are called."""
+LEARNING = "kb.learning.", "plogic.face.authoring.", "cli."
+"""What a start of one's own may change, and who imports it."""
+ASIDE = "plogic.logic."
+"""Imported and put aside: ProbLog, which they bring, sets the limit of recursion, and most commands do without."""
 
 
 def import_all():
@@ -32,12 +37,46 @@ def import_all():
         warnings.simplefilter("ignore", DeprecationWarning)  # pybullet's
         for package in map(importlib.import_module, PACKAGES):
             for module in pkgutil.walk_packages(package.__path__, f"{package.__name__}."):
-                if not module.name.startswith(LEFT_OUT):
+                if not module.name.startswith(ASIDE):
                     import_one(module.name)
-        importlib.import_module("cli")
-    assert "problog" not in sys.modules, "it would change what commands do that do without"
+        for name in ("cli", *OTHERS):
+            importlib.import_module(name)
+        assert "problog" not in sys.modules, "it would change what commands do that do without"
+        sys.meta_path.insert(0, Aside())
+        assert "problog" not in sys.modules
     gc.collect()
     gc.freeze()  # a copy's collector would write to, and so copy, the memory of what is imported
+
+
+class Aside:
+    """Finds modules that were imported before and are not in ``sys.modules``: an import of one finds it ready."""
+
+    def __init__(self):
+        before, limit = dict(sys.modules), sys.getrecursionlimit()
+        for module in pkgutil.walk_packages(sys.modules["plogic.logic"].__path__, ASIDE):
+            if not module.name.endswith("program_child"):
+                importlib.import_module(module.name)
+        self.limit, new = sys.getrecursionlimit(), sys.modules.keys() - before.keys()
+        sys.setrecursionlimit(limit)
+        self.modules = {name: sys.modules.pop(name) for name in new if name.startswith((ASIDE, "problog", "pysdd"))}
+
+    def find_spec(self, name, *_):
+        """The spec of a module that was put aside."""
+        if name not in self.modules:
+            return None
+        spec = self.modules[name].__spec__
+        spec.loader = self
+        return spec
+
+    def create_module(self, spec):
+        """The module, as it is."""
+        return self.modules[spec.name]
+
+    def exec_module(self, module):
+        """Set what ProbLog sets outside of itself."""
+        if module.__name__ == "problog":
+            sys.setrecursionlimit(self.limit)
+            self.modules["problog.setup"].set_environment()
 
 
 def import_one(name):
@@ -77,6 +116,12 @@ def become(request):
         os.dup2(stream, number)
         os.close(stream)
     sys.argv = request["command"]
+    start = Path(request["environment"].get("PYTHONPATH", "")) / "sitecustomize.py"
+    if start.is_file():  # which Python would have run as it started, before what it changes is imported
+        for name in [name for name in sys.modules if f"{name}.".startswith(LEARNING)]:
+            del sys.modules[name]
+        sys.path.insert(0, str(start.parent))
+        runpy.run_path(str(start))
 
 
 def run():

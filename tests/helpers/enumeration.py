@@ -9,8 +9,7 @@ import numpy as np
 
 from plogic.base.bounds import LEAST
 from plogic.facts.dependence import Scene, dependence
-from plogic.scene.readings.posterior_reading import appearance_weight, group_shares, miss_weight, unmatched
-from plogic.scene.readings.score_reading import acceptance
+from plogic.scene.readings.world_weights import acceptance, appearance_weight, group_shares, miss_weight, unmatched
 
 
 def subsets(members):

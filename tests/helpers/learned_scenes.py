@@ -17,7 +17,7 @@ from kb.clouds.cloud import KnowledgeBase, ObjectType, Rates
 from kb.files.read import learned_features, learned_lobes, with_compounds
 from kb.learning.again import LOOKS, VARIED
 from plogic.match.gamma.data import data_of
-from plogic.match.gamma.screen_angles import screen_angle
+from plogic.match.gamma.grid import screen_angle
 from plogic.match.learned.learned_models import learned_index
 from sensing.appearance import Appearance
 

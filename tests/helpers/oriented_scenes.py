@@ -15,9 +15,10 @@ from geometry.frames import from_rotation_translation, transform_points
 from kb.clouds.lobes import Feature, FeatureAppearance, Lobe
 from plogic.match.gamma.data import data_of
 from plogic.match.hand.view_cells import DISTANCE
+from plogic.match.judged.evidence import nothing_hidden
 from plogic.match.kinds import models_of
-from plogic.match.oriented.angle_refinement import Noise
 from plogic.match.oriented.asked import Asked, chances_of
+from plogic.match.oriented.oriented_match import Noise
 from plogic.match.oriented.oriented_models import generate_together, search_of
 from plogic.match.oriented.oriented_search import Search
 from plogic.match.oriented.pair_index import pair_index
@@ -65,7 +66,7 @@ class Ready:
         """The best poses of all types."""
         return Search(self.asked(data)).proposals(data)
 
-    def together(self, data, hidden_of=None):
+    def together(self, data, hidden_of=nothing_hidden):
         """By type the hypotheses of all types, as the cycle asks for them.
 
         {} where they are not searched for together.

@@ -8,9 +8,9 @@ from random import Random
 from hypothesis import strategies as st
 
 from geometry.visibility.roc import ROC20
-from plogic.facts.gravity import Foot, Gravity
 from plogic.facts.hypothesis import FeatureFact, Hypothesis
 from plogic.facts.situation import AppearanceFact, PairFact, Situation, pair_facts
+from plogic.facts.spatial import Foot, Gravity
 
 POSE = ((1.0, 0.0, 0.0, 0.0), (0.0, 1.0, 0.0, 0.0), (0.0, 0.0, 1.0, 5.0), (0.0, 0.0, 0.0, 1.0))
 INSTANCES = {"apex": 1, "corner": 16, "other": 95}

@@ -18,11 +18,9 @@ from geometry.visibility.rays import behind
 from kb.clouds.lobes import in_lobe
 from kb.files.folder import shipped
 from kb.files.read import read_kb
-from plogic.cycle.attention import attend
-from plogic.cycle.perception import perceive
+from plogic.cycle.perception import attend, perceive
 from plogic.cycle.state import Task
 from plogic.match.gamma.data import data_of
-from plogic.match.hand.generate import settle
 from plogic.match.judged.evidence import judged
 from plogic.run.perceive import Perceiver
 from sensing.appearance import Appearance, Gamma
@@ -181,7 +179,7 @@ def cycle_of(gamma, end=None):
 def posed_at(name, pose, of):
     """The hypothesis that a type stands at a pose, with its own matching, no polish."""
     index = perceiver().models[name]
-    return settle(index, pose, of, towers(), rounds=0)
+    return index.settle(pose, of, towers(), rounds=0)
 
 
 def belief_at(name, pose, of, status="accepted"):

@@ -11,7 +11,7 @@ from factor_graphs import log_weight
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from plogic.inference import marginals, order, ranked_component, ranked_wide
+from plogic.inference import marginals, order, ranked_component
 from plogic.inference import ranked as ranking
 from plogic.inference.graph import Factor, FactorGraph
 from plogic.inference.marginals import beliefs
@@ -30,7 +30,7 @@ WAYS = {
     "apart": (*TREES, (order, "BUCKET_CELLS", 12), (ranked_component, "SUMMED", 0)),
     "forgetful": (*TREES, (order, "BUCKET_CELLS", 1), (ranked_component, "KEPT_COSTS", 0)),
     "wide": (*TREES, (ranking, "WIDTH", -1.0)),
-    "bounded": (*TREES, (ranking, "WIDTH", -1.0), (ranked_wide, "BITS", (1.0,))),
+    "bounded": (*TREES, (ranking, "WIDTH", -1.0), (ranked_component, "BITS", (1.0,))),
 }
 every_way = pytest.mark.parametrize("way", WAYS)
 

@@ -9,7 +9,7 @@ from factor_graphs import log_weight
 
 from plogic.base.errors import LimitError
 from plogic.inference import ranked as ranking
-from plogic.inference import ranked_wide
+from plogic.inference import ranked_component
 from plogic.inference.graph import Factor, FactorGraph
 from plogic.inference.ranked import Ranked, best
 
@@ -130,7 +130,7 @@ def test_a_wide_grid_agrees_with_the_exact_heuristic(monkeypatch):
     expected = best(graph, 50)
     monkeypatch.setattr(ranking, "WIDTH", 3.0)
     for bits in (3.0, 5.0, 12.0):
-        monkeypatch.setattr(ranked_wide, "BITS", (bits,))
+        monkeypatch.setattr(ranked_component, "BITS", (bits,))
         found = best(graph, 50)
         assert [states for _, states in found] == [states for _, states in expected]
         assert [weight for weight, _ in found] == pytest.approx([weight for weight, _ in expected], abs=1e-11)
@@ -138,8 +138,8 @@ def test_a_wide_grid_agrees_with_the_exact_heuristic(monkeypatch):
 
 def test_too_many_open_nodes_say_so(monkeypatch):
     monkeypatch.setattr(ranking, "WIDTH", 3.0)
-    monkeypatch.setattr(ranked_wide, "BITS", (2.0,))
-    monkeypatch.setattr(ranked_wide, "MOST_OPEN_NODES", 20)
+    monkeypatch.setattr(ranked_component, "BITS", (2.0,))
+    monkeypatch.setattr(ranked_component, "MOST_OPEN_NODES", 20)
     with pytest.raises(LimitError, match=r"36 variables .* more than 20 partial states"):
         best(grid(6, 6, np.random.default_rng(5).normal(size=36)), 50)
 

@@ -47,6 +47,12 @@ def scene_of_seed(seed):
     return scene(few_kb(), seed)
 
 
+@cache
+def few_of_seed(seed):
+    """Three or four of them: for laws that are not about how many there are."""
+    return scene(few_kb(), seed, (3, 4))
+
+
 def accepted_rows(document):
     return [h for h in document["hypotheses"] if h["status"] == "accepted"]
 

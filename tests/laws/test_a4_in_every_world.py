@@ -14,11 +14,10 @@ from many_objects import camera, touching, twins
 
 from benchmarks.many.score import depth
 from plogic.cycle.delta import Options
-from plogic.match.judged.disjoint import DEEP
+from plogic.match.judged.rivals import DEEP
 from plogic.run.perceive import Perceiver
-from plogic.sequence.views.panorama import Panorama
-from plogic.sequence.views.panorama_document import panorama_document
-from plogic.sequence.views.view import View
+from plogic.sequence.constancy.sight_lines import View
+from plogic.sequence.views.panorama import Panorama, panorama_document
 
 
 def deepest(document, kb, frame="T_camera_object"):

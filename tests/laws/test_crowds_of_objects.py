@@ -14,7 +14,7 @@ from benchmarks.many.scenes import scene
 from benchmarks.many.score import deepest, verdict
 from benchmarks.recognition.score import Found
 from plogic.cycle.delta import Options
-from plogic.match.judged.disjoint import DEEP
+from plogic.match.judged.rivals import DEEP
 
 
 @pytest.mark.parametrize("seed", [7005, 7006, 7008])

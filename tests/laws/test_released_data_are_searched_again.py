@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from synthetic import cycle_of, scene, side_by_side
 
-from plogic.cycle import stability
+from plogic.cycle import choosing
 from plogic.cycle.state import same_hypothesis
 from plogic.match.hand import hand_models
 from plogic.match.judged.rivals import claims
@@ -23,7 +23,7 @@ def test_the_data_of_one_that_had_to_go_are_searched_again(monkeypatch, seed):
     both = cycle_of(gamma).accepted
     assert len(both) == 2
     stronger, weaker = sorted(both, key=lambda belief: -belief.worth)
-    searched, generate, moved_apart = [], hand_models.generate, stability.moved_apart
+    searched, generate, moved_apart = [], hand_models.generate, choosing.moved_apart
 
     def looked_at(index, left, kb, covered, *, check):
         searched.append(set(left.ids))
@@ -33,7 +33,7 @@ def test_the_data_of_one_that_had_to_go_are_searched_again(monkeypatch, seed):
         return moved_apart(posed, information)[0], [(0, 1)] if len(posed) > 1 else []
 
     monkeypatch.setattr(hand_models, "generate", looked_at)
-    monkeypatch.setattr(stability, "moved_apart", never_apart)
+    monkeypatch.setattr(choosing, "moved_apart", never_apart)
     found = cycle_of(gamma)
     assert [same_hypothesis(belief, stronger) for belief in found.accepted] == [True]
     released = {gamma.appearances[i].id for i in claims(weaker)}

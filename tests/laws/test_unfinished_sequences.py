@@ -11,10 +11,9 @@ from interrupted import LATE, stopped_after
 from synthetic import one_before_the_other, perceiver, scene
 
 from plogic.cycle.delta import Options
+from plogic.sequence.constancy.sight_lines import View
 from plogic.sequence.next_view.reading import of_last_view
-from plogic.sequence.views.panorama import Panorama
-from plogic.sequence.views.panorama_document import panorama_document
-from plogic.sequence.views.view import View
+from plogic.sequence.views.panorama import Panorama, panorama_document
 
 
 def seen_twice(looks):

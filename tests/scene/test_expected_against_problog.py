@@ -14,7 +14,7 @@ from plogic.facts.dependence import Scene, dependence
 from plogic.facts.hypothesis import Seen, expected
 from plogic.facts.situation import names_of
 from plogic.facts.vocabulary import VOCABULARY
-from plogic.scene.readings import score_reading
+from plogic.scene.readings import world_weights
 from plogic.scene.text import fact_layers
 from plogic.scene.text.layout import Writer
 from plogic.scene.text.rules import COMMON, EXPECTED, fallbacks
@@ -78,7 +78,7 @@ def test_many_worlds_at_once_are_each_of_them(subject, random):
     """In arrays over worlds (``score_reading``) and over features (``Seen``) it is what it is one by one."""
     scene, worlds = Scene(subject), [{h.id for h in subject.hypotheses if random.random() < 0.7} for _ in range(5)]
     present = {h.id: np.array([h.id in world for world in worlds]) for h in subject.hypotheses}
-    rows = [present[h.id] & score_reading.expected(scene, h, f, present) for h, f in features(subject)]
+    rows = [present[h.id] & world_weights.expected(scene, h, f, present) for h, f in features(subject)]
     found = [set(np.flatnonzero(column).tolist()) for column in np.array(rows).T]
     assert found == [by_function(subject, world) for world in worlds]
     for h in subject.hypotheses:

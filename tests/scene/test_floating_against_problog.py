@@ -16,8 +16,8 @@ from hypothesis import strategies as st
 from situations import feature, hypothesis, random_situations, situation, with_gravity
 
 from plogic.base.errors import InconsistentError, SituationError
-from plogic.facts.gravity import Foot, Gravity
 from plogic.facts.situation import names_of
+from plogic.facts.spatial import Foot, Gravity
 from plogic.inference.marginals import beliefs
 from plogic.logic.served.engine import through
 from plogic.logic.served.program_child import serve

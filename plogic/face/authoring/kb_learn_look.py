@@ -8,7 +8,7 @@ import os
 import sys
 from collections.abc import Callable
 from contextlib import closing, suppress
-from functools import partial
+from functools import cache, partial
 from importlib.metadata import version
 from typing import Any
 
@@ -171,7 +171,13 @@ def key_of(mesh: TexturedMesh, how: tuple[Any, ...]) -> str:
     total = hashlib.sha256(
         repr((how, cv2.__version__, physics_version(), [version(name) for name in LIBRARIES])).encode()
     )
-    total.update(source_digest(ROOT, sources(ROOT, DECIDES)))
+    total.update(source_digest(ROOT, _deciding()))
     for array in (mesh.vertices, mesh.triangles, mesh.uv, mesh.texture):
         total.update(b"-" if array is None else repr(array.shape).encode() + array.tobytes())
     return total.hexdigest()
+
+
+@cache
+def _deciding() -> set[str]:
+    """The source files that decide a cloud."""
+    return sources(ROOT, DECIDES)

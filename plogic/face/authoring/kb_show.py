@@ -70,7 +70,7 @@ def _words_in_one_row(rows: list[dict[str, Any]], kb: "KnowledgeBase") -> list[d
 
 
 def _ranks(kb: "KnowledgeBase", gamma: str, dv: dict[str, float]) -> list[dict[str, Any]]:
-    from plogic.cycle.attention import attend
+    from plogic.cycle.perception import attend
     from plogic.match.kinds import models_of
     from sensing.files.gamma_files import read_gamma
 

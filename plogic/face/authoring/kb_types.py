@@ -21,9 +21,8 @@ from kb.intake.source import read_source
 from kb.shown.cautions import FIXING_A_POSE
 from plogic.base.errors import InputError
 from plogic.run.sources import kb_of
-from plogic.sequence.constancy.draft import draft_type
 from plogic.sequence.constancy.panorama_reading import unknown_of
-from plogic.sequence.constancy.result import SeenFeature
+from plogic.sequence.constancy.result import SeenFeature, draft_type
 from sensing.files.whole_files import write_folder, write_whole
 
 

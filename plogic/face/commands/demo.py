@@ -34,10 +34,9 @@ from plogic.run.sources import kb_of
 from plogic.scene.asking.query import answers_to_all
 from plogic.scene.document import AnswerRow
 from plogic.scene.text.program_text import program_text, query_lines
-from plogic.sequence.views.joint import joint
-from plogic.sequence.views.merging import Found, merged
+from plogic.sequence.constancy.sight_lines import View
+from plogic.sequence.views.joint import Found, joint, merged
 from plogic.sequence.views.standing import Seen, standing_of
-from plogic.sequence.views.view import View
 from sensing.detectors.detector import detect
 from sensing.files.gamma_files import gamma_to_dict
 from sensing.files.whole_files import write_files

@@ -19,11 +19,9 @@ from plogic.facts.interpretation import situation_of
 from plogic.facts.situation import Reading, Situation, stopped_in
 from plogic.scene.readings.unfinished import marks, notice
 from plogic.scene.worlds.ranked_worlds import ranked_worlds
-from plogic.sequence.next_view.gain import entropy
-from plogic.sequence.next_view.goal import answers_in
-from plogic.sequence.next_view.look import Outlook, looked_ahead
+from plogic.sequence.next_view.expected import Prospect
+from plogic.sequence.next_view.look import Outlook, answers_in, entropy, looked_ahead
 from plogic.sequence.next_view.moves import Candidate, MovesRow, checked, ring, standing, within
-from plogic.sequence.next_view.prospect import Prospect
 from plogic.sequence.next_view.reading import LastView, prospect_of, read_looked
 
 Worlds = list[tuple[float, Sequence[str]]]

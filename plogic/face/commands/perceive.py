@@ -76,7 +76,7 @@ def _of_one(source: str, options: Perceiving, say: Say, write: Say) -> int:
 
 
 def _of_pair(inputs: Sequence[str], options: Perceiving, stereo: str, say: Say, write: Say) -> int:
-    from plogic.sequence.views.stereo import sharpened
+    from plogic.sequence.views.standing import sharpened
     from sensing.files.stereo import fused, read_stereo
 
     if len(inputs) != 2 or options.poses:
@@ -202,9 +202,8 @@ def _of_sequence(frames: Sequence[str], options: Perceiving, say: Say, write: Sa
 
     Where a frame cannot be read, what was made of those before it is written first.
     """
-    from plogic.sequence.views.panorama import Panorama
-    from plogic.sequence.views.panorama_document import ahead, panorama_document
-    from plogic.sequence.views.view import View
+    from plogic.sequence.constancy.sight_lines import View
+    from plogic.sequence.views.panorama import Panorama, ahead, panorama_document
 
     for key in ("report", "picture", "timings"):
         if getattr(options, key):
@@ -276,7 +275,7 @@ def _named(frame: str, poses: Sequence[Placed]) -> Placed | None:
 
 
 def _looked(panorama: "Panorama", frame: str, placed: Placed | None, number: int, camera: str | None) -> "Look":
-    from plogic.sequence.views.view import View
+    from plogic.sequence.constancy.sight_lines import View
 
     picture = None if is_gamma(frame) else image_of(frame, camera)
     gamma, image = gamma_of(frame, picture, camera, panorama.perceiver.kb, Stopwatch())

@@ -226,6 +226,7 @@ class Bounds:
     def __init__(self, ground: Ground) -> None:
         self.ground = ground
         self.truth = truth_of(ground)
+        self.observed = np.array(ground.observed, dtype=np.int64)
         self.queries = [literal for _, literal in ground.asked]
         self.outcomes = [[*alternative.shares, alternative.rest] for alternative in ground.alternatives]
         self.certain = np.zeros((2, len(self.queries)))
@@ -267,7 +268,8 @@ class Bounds:
         Those that leave something open are kept, those that the evidence excludes are not counted.
         """
         certain = self.truth.certain(columns((decided for decided, _ in decisions), len(self.outcomes)))
-        holds, fails = self._evidence(certain)
+        holds = np.asarray(certain[self.observed].all(axis=0))
+        fails = np.asarray(certain[-self.observed].any(axis=0))
         yes, no = self._queries(certain)
         for column, (decided, mass) in enumerate(decisions):
             if fails[column]:
@@ -282,10 +284,6 @@ class Bounds:
         self.certain += mass * certain
         self.possible += mass * possible
         self.sums += 1
-
-    def _evidence(self, certain: Bools) -> tuple[Bools, Bools]:
-        observed = np.array(self.ground.observed, dtype=np.int64)
-        return np.asarray(certain[observed].all(axis=0)), np.asarray(certain[-observed].any(axis=0))
 
     def _queries(self, certain: Bools) -> tuple[Bools, Bools]:
         """Whether each certainly holds, or fails, ``(queries, columns)``."""

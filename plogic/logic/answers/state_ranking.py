@@ -26,6 +26,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from problog.logic import AnnotatedDisjunction, Clause
 
+from plogic.base.walk import reached
 from plogic.logic.answers.answer import grouped, prepared
 from plogic.logic.dnnf.compiled import Circuit, Compiled, Floats, circuit_of
 from plogic.logic.dnnf.nnf import AND, LITERAL, Nnf, nodes_under
@@ -117,14 +118,11 @@ def factors_of(program: Compiled, atoms: list[int]) -> list[Factor]:
 
 def _parts(nnf: Nnf) -> list[int]:
     """The nodes that the root is the conjunction of, none of them a conjunction."""
-    found, stack = [], [nnf.root]
-    while stack:
-        node = stack.pop()
-        if nnf.kinds[node] == AND:
-            stack.extend(reversed(nnf.children[node]))
-        else:
-            found.append(node)
-    return found
+
+    def parts(node: int) -> Iterator[int]:
+        return reversed(nnf.children[node] if nnf.kinds[node] == AND else ())
+
+    return [node for node in reached([nnf.root], parts) if nnf.kinds[node] != AND]
 
 
 def _decided_apart(nnf: Nnf, root: int, variables: tuple[int, ...]) -> set[int]:
@@ -152,53 +150,37 @@ Item = tuple[float, tuple["State", ...]]
 """Log weight, and one state of each stream."""
 
 
-class Single:
+class Listed:
     """A stream as a list that grows when it is read."""
 
-    def __init__(self, states: Iterator[tuple[float, State]]) -> None:
-        self.states = states
+    def __init__(self, stream: Iterator[Item]) -> None:
+        self.stream = stream
         self.items: list[Item] = []
 
     def get(self, i: int) -> Item | None:
         """The i-th best, from 0; None past the last."""
         while len(self.items) <= i:
-            found = next(self.states, None)
+            found = next(self.stream, None)
             if found is None:
                 return None
-            self.items.append((found[0], (found[1],)))
+            self.items.append(found)
         return self.items[i]
 
 
-class Pair:
+def _pairs(left: Listed, right: Listed) -> Iterator[Item]:
     """The combinations of two streams, non-increasing; ties by the first stream's place, then the second's."""
-
-    def __init__(self, left: Stream, right: Stream) -> None:
-        self.left, self.right = left, right
-        self.items: list[Item] = []
-        self.queue: list[tuple[float, int, int]] = []
-        self._push(0, 0)
-
-    def get(self, i: int) -> Item | None:
-        """The i-th best, from 0; None past the last."""
-        while len(self.items) <= i:
-            if not self.queue:
-                return None
-            _, a, b = heapq.heappop(self.queue)
-            first, second = self.left.get(a), self.right.get(b)
-            if first is not None and second is not None:
-                self.items.append((first[0] + second[0], (*first[1], *second[1])))
-            self._push(a, b + 1)
-            if b == 0:
-                self._push(a + 1, 0)
-        return self.items[i]
-
-    def _push(self, a: int, b: int) -> None:
-        first, second = self.left.get(a), self.right.get(b)
-        if first is not None and second is not None:
-            heapq.heappush(self.queue, (-bucket(first[0] + second[0]), a, b))
-
-
-Stream = Single | Pair
+    queue: list[tuple[float, int, int]] = []
+    following = [(0, 0)]
+    while True:
+        for a, b in following:
+            if (first := left.get(a)) is not None and (second := right.get(b)) is not None:
+                heapq.heappush(queue, (-bucket(first[0] + second[0]), a, b))
+        if not queue:
+            return
+        _, a, b = heapq.heappop(queue)
+        first, second = left.items[a], right.items[b]
+        yield first[0] + second[0], (*first[1], *second[1])
+        following = [(a, b + 1), (a + 1, 0)] if b == 0 else [(a, b + 1)]
 
 
 def merged(streams: list[Iterator[tuple[float, State]]]) -> Iterator[Item]:
@@ -206,17 +188,11 @@ def merged(streams: list[Iterator[tuple[float, State]]]) -> Iterator[Item]:
 
     Of no streams, the empty one.
     """
-    level: list[Stream] = [Single(states) for states in streams]
-    if not level:
-        yield 0.0, ()
-        return
+    level: list[Iterator[Item]] = [((log_p, (state,)) for log_p, state in states) for states in streams]
     while len(level) > 1:
-        pairs: list[Stream] = [Pair(left, right) for left, right in zip(level[::2], level[1::2], strict=False)]
+        pairs = [_pairs(Listed(a), Listed(b)) for a, b in zip(level[::2], level[1::2], strict=False)]
         level = pairs + level[len(level) - len(level) % 2 :]
-    i = 0
-    while (item := level[0].get(i)) is not None:
-        yield item
-        i += 1
+    return level[0] if level else iter([(0.0, ())])
 
 
 Reply = dict[str, Any]

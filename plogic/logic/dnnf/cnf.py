@@ -15,6 +15,7 @@ from collections import Counter
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
+from plogic.base.walk import by_key
 from plogic.inference.graph import roots
 from plogic.logic.grounding.ground_program import TRUE, Gate, Ground
 
@@ -61,7 +62,11 @@ class Splitter:
         for head, inputs in gates.items():
             self._gate(head, inputs)
         for clause in others:
-            self._clause(clause)
+            kept = self._split(clause)
+            if kept is None:
+                self.clauses.append(clause)
+            else:
+                self.left.append(kept)
 
     def modules(self) -> Modules:
         """What was found."""
@@ -78,13 +83,6 @@ class Splitter:
             return
         self.left.append((-head, *kept))
         self.left += [(head, -literal) for literal in kept]
-
-    def _clause(self, clause: Clause) -> None:
-        kept = self._split(clause)
-        if kept is None:
-            self.clauses.append(clause)
-        else:
-            self.left.append(kept)
 
     def _split(self, inputs: Inputs) -> Inputs | None:
         """The inputs with those of its own as one; None if all are."""
@@ -292,7 +290,4 @@ def components(clauses: Sequence[Clause]) -> tuple[tuple[Clause, ...], ...]:
     """The clauses in sets that share no variable, in the order of their first clauses."""
     joined = [tuple(map(abs, clause)) for clause in clauses]
     root = roots(1 + max((max(scope) for scope in joined), default=0), joined)
-    groups: dict[int, list[Clause]] = {}
-    for clause, scope in zip(clauses, joined, strict=True):
-        groups.setdefault(root[scope[0]], []).append(clause)
-    return tuple(map(tuple, groups.values()))
+    return tuple(map(tuple, by_key(zip((root[scope[0]] for scope in joined), clauses, strict=True)).values()))

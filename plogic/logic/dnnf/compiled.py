@@ -17,6 +17,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from plogic.base.errors import InconsistentError, LimitError
+from plogic.base.walk import by_key
 from plogic.logic.dnnf.cnf import Residue, residue
 from plogic.logic.dnnf.nnf import AND, LITERAL, Nnf, nodes_under
 from plogic.logic.dnnf.nnf import FALSE as NEVER
@@ -133,9 +134,7 @@ def circuit_of(nnf: Nnf, root: int | None = None, best_of: Container[int] = ()) 
     number = {node: i for i, node in enumerate(order)}
     leaves = [nnf.literals[node] for node in order if kinds[node] == LITERAL]
     place = {literal: i for i, literal in enumerate(leaves)}
-    groups: dict[tuple[int, int], list[int]] = {}
-    for node in order[len(leaves) :]:
-        groups.setdefault((depth[node], kinds[node]), []).append(node)
+    groups = by_key(((depth[node], kinds[node]), node) for node in order[len(leaves) :])
     levels = tuple(_level(nnf, kind, gates, number) for (_, kind), gates in groups.items())
     return Circuit(len(order), np.array(leaves, dtype=np.int64), place, levels, number)
 
@@ -189,7 +188,13 @@ class Compiled:
     def values(self, conditions: Sequence[Sequence[Literal]], *, most: bool = False) -> Floats:
         """The circuit's values under each conjunction, the root's last: ``(nodes, columns)``, see ``Circuit.up``."""
         leaves = self.leaves(conditions)
-        impossible = np.array([self._contradicted(condition) for condition in conditions])
+        impossible = np.array(
+            [
+                any(self.known(literal) is False or (literal and -literal in condition) for literal in condition)
+                for condition in conditions
+            ],
+            dtype=bool,
+        )
         if self.circuit is None:
             return np.where(impossible, -np.inf, 0.0)[np.newaxis, :]
         leaves[:, impossible] = -np.inf
@@ -202,11 +207,6 @@ class Compiled:
         for column, condition in enumerate(conditions):
             leaves[[place[-literal] for literal in condition if literal and -literal in place], column] = -np.inf
         return leaves
-
-    def _contradicted(self, condition: Sequence[Literal]) -> bool:
-        return any(self.known(literal) is False for literal in condition) or any(
-            -lit in condition for lit in condition if lit
-        )
 
     def known(self, literal: Literal) -> bool | None:
         """Whether a literal is true in every world, in none (False), or open (None)."""

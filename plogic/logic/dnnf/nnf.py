@@ -75,11 +75,13 @@ class Nnf:
         if len(kept) < 2:
             return kept[0] if kept else FALSE
         all_mentioned = reduce(or_, (self.mentions[child] for child in kept))
-        smooth = tuple(self._smoothed(child, all_mentioned & ~self.mentions[child]) for child in kept)
-        return self._add(OR, smooth, all_mentioned)
-
-    def _smoothed(self, child: int, missing: int) -> int:
-        return child if not missing else self.conjunction((child, *self.frees(missing)))
+        smooth = (
+            self.conjunction((child, *self.frees(missing)))
+            if (missing := all_mentioned & ~self.mentions[child])
+            else child
+            for child in kept
+        )
+        return self._add(OR, tuple(smooth), all_mentioned)
 
     def stand_for(self, literal: int, yes: int, no: int, *, whole: bool) -> None:
         """Let ``yes`` stand for a literal and ``no`` for its negation.
@@ -180,17 +182,17 @@ def _dimacs(bundle: list[tuple[Clause, ...]]) -> str:
 
 def _dsharp(bundles: list[list[tuple[Clause, ...]]]) -> list[str | None]:
     """What dsharp makes of each bundle, some at the same time; None where it fails."""
+    command = [_binary(), "-Fnnf", RESULT, "-smoothNNF", "-disableAllLits", PROGRAM]
+    texts = [_dimacs(bundle).encode("ascii") for bundle in bundles]
     found: list[str | None] = []
-    for start in range(0, len(bundles), RUNS):
+    for start in range(0, len(texts), RUNS):
         with ExitStack() as stack:
-            runs = [stack.enter_context(_started(bundle)) for bundle in bundles[start : start + RUNS]]
+            runs = [
+                stack.enter_context(Child(command, told=b"", files={PROGRAM: text}, foreign=True))
+                for text in texts[start : start + RUNS]
+            ]
             found += [_finished(run) for run in runs]
     return found
-
-
-def _started(bundle: list[tuple[Clause, ...]]) -> Child:
-    command = [_binary(), "-Fnnf", RESULT, "-smoothNNF", "-disableAllLits", PROGRAM]
-    return Child(command, told=b"", files={PROGRAM: _dimacs(bundle).encode("ascii")}, foreign=True)
 
 
 def _binary() -> str:

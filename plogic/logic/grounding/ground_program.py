@@ -19,6 +19,8 @@ from problog.errors import InconsistentEvidenceError, InvalidValue, ProbLogError
 from problog.formula import LogicDAG, LogicFormula
 from problog.logic import Term
 
+from plogic.base.walk import by_key
+
 TRUE = 0
 FALSE = None
 Literal = int | None
@@ -207,10 +209,7 @@ def _placed(name: Any, content: Any, database: Any) -> Any:  # noqa: ANN401 - Pr
 
 
 def _alternatives(choices: list[tuple[int, Choice]]) -> tuple[Alternative, ...]:
-    groups: dict[Any, list[tuple[int, Choice]]] = {}
-    for variable, choice in choices:
-        groups.setdefault(choice.group, []).append((variable, choice))
-    return tuple(_alternative(members) for members in groups.values())
+    return tuple(map(_alternative, by_key((choice.group, (variable, choice)) for variable, choice in choices).values()))
 
 
 def _alternative(members: list[tuple[int, Choice]]) -> Alternative:

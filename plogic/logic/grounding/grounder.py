@@ -88,10 +88,6 @@ class Grounder:
         self.formula = Formula()
         self.table: dict[Any, Answers | None] = {}
 
-    def add(self, statement: Any) -> None:  # noqa: ANN401 - a term of ProbLog's
-        """Add a clause; before the first call."""
-        self.reader.add(statement)
-
     def node(self, variable: int) -> Node:
         """The gate or choice of a variable of the formula."""
         return self.formula.nodes[variable - 1]
@@ -187,16 +183,13 @@ class Grounder:
             for part in goal[1]:
                 yield from self.prove((*part, *rest), environment, literals)
         elif goal[0] == "not":
-            denied = self._denied(goal[1], environment)
+            denials = self.prove(goal[1], environment.copy(), ())
+            denied = negated(self.formula.disjunction(tuple(self.formula.conjunction(way) for _, way in denials)))
             if denied is not None:
                 yield from self.prove(rest, environment, (*literals, denied) if denied else literals)
         else:
             for bound in self._tested(goal[1], goal[2], environment):
                 yield from self.prove(rest, bound, literals)
-
-    def _denied(self, goals: tuple[Goal, ...], environment: Environment) -> Literal:
-        ways = tuple(self.formula.conjunction(literals) for _, literals in self.prove(goals, environment.copy(), ()))
-        return negated(self.formula.disjunction(ways))
 
     def _tested(self, functor: str, arguments: tuple[Small, ...], environment: Environment) -> Iterator[Environment]:
         """The environment, with what the test binds, if it holds.

@@ -152,10 +152,8 @@ def ground(request: Request) -> Ground:
     Raises ProgramError, and InconsistentError where evidence is a constant that contradicts it.
     """
     if not request.trust:
-        try:
+        with contextlib.suppress(UnsupportedError, RecursionError, ProbLogError):
             return quickly(request)
-        except (UnsupportedError, RecursionError, ProbLogError):
-            pass
     return by_problog(request)
 
 
@@ -173,7 +171,7 @@ def quickly(request: Request) -> Ground:
         elif SPECIAL_HEADS & {head.signature for head in heads(statement)}:
             raise UnsupportedError
         else:
-            grounder.add(statement)
+            grounder.reader.add(statement)
     if request.goals:
         asked = [head for head, _ in request.goals]
     wanted = [pair for goal in asked for pair in grounder.instances(goal, or_none=bool(request.goals))]

@@ -137,10 +137,6 @@ class Cone:
             values[v] = _gate(gate, values)
         return values
 
-    def root_value(self, allowed: Allowed) -> bool | None:
-        """The root's."""
-        return value_of(self.root, self.values(allowed))
-
     def counterexample(self, allowed: Allowed, wanted: bool) -> Allowed | None:  # noqa: FBT001 - a truth value
         """An implicant of "root = wanted" that agrees with what is allowed; None where no world does.
 
@@ -200,7 +196,7 @@ class Cone:
         result = dict(implicant)
         for choice in sorted(implicant, key=lambda c: c.order):
             without = {c: may for c, may in result.items() if c is not choice}
-            if self.root_value(without) == wanted:
+            if value_of(self.root, self.values(without)) == wanted:
                 result = without
         return result
 

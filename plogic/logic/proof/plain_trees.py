@@ -196,12 +196,13 @@ def missed(ground: Grounding, goal: Small, ask: Small, steps: Steps) -> tuple[li
     chances = {id(c): p for c, p in zip(listed, numbers.compiled.probabilities(numbers.literals), strict=True)}
     literal = {id(c): lit for c, lit in zip(listed, numbers.literals, strict=True)}
     joint = numbers.joint([[literal[id(x)] for x in c.conditions] for c in candidates])
-    misses: list[tuple[int, float, float, int, Miss]] = []
-    for candidate, p in zip(candidates, joint, strict=True):
-        failed, product = lacking(candidate, lambda c: chances[id(c)])
-        misses.append((failed, -p, product, len(misses), Miss(candidate, failed, p, chances)))
+    lacks = [lacking(candidate, lambda c: chances[id(c)]) for candidate in candidates]
+    misses = [
+        ((failed, -p, product), Miss(candidate, failed, p, chances))
+        for candidate, p, (failed, product) in zip(candidates, joint, lacks, strict=True)
+    ]
     notes = [f"{looking.skipped} further instances of rules were not looked at"] if looking.skipped else []
-    return [miss for *_, miss in sorted(misses, key=lambda m: m[:4])], notes
+    return [miss for _, miss in sorted(misses, key=lambda m: m[0])], notes
 
 
 def miss_data(miss: Miss, names: Names | None) -> Data:

@@ -13,7 +13,6 @@ from plogic.base.errors import ProgramError
 
 if TYPE_CHECKING:
     from plogic.logic.safety.atoms import Names
-    from plogic.logic.safety.check import Source
 
 FILE = "rules.pl"
 
@@ -29,12 +28,17 @@ def author_rules(text: str, names: Names, program: frozenset[str], file: str = F
     if not text.strip():
         return []
     load_problog()
-    from plogic.logic.safety.check import check_source, is_directive, parse
+    from plogic.logic.safety.allowlist import SPECIAL_HEADS
+    from plogic.logic.safety.check import check_source, heads, is_directive, parse
     from plogic.logic.safety.mapping import mapped
 
     source = parse(text, file)
     spelled = parse("\n".join(f"{mapped(s, names)}." for s in source.statements if not is_directive(s)), file)
-    _refuse_evidence(source)
+    special = next((h for s in source.statements for h in heads(s) if h.signature in SPECIAL_HEADS), None)
+    if special is not None:
+        raise ProgramError(
+            f"{special.signature}: rules neither ask nor observe (use a goal, or --given)", **source.place(special)
+        )
     check_source(source, known=program, protected=program)
     written = [s if is_directive(s) else mapped(s, names) for s in source.statements]
     if [str(s) for s in written if not is_directive(s)] != [str(s) for s in spelled.statements]:
@@ -49,19 +53,6 @@ def load_problog() -> None:
         import problog.program  # noqa: F401
 
 
-def _refuse_evidence(source: Source) -> None:
-    from plogic.logic.safety.allowlist import SPECIAL_HEADS
-    from plogic.logic.safety.check import heads
-
-    for statement in source.statements:
-        special: list[Any] = [head for head in heads(statement) if head.signature in SPECIAL_HEADS]
-        if special:
-            raise ProgramError(
-                f"{special[0].signature}: rules neither ask nor observe (use a goal, or --given)",
-                **source.place(special[0]),
-            )
-
-
 Value = str | int | float
 """A constant: a name without its quotes, or a number; any other term is given as its text."""
 
@@ -71,8 +62,6 @@ def bindings(goal: str, answer: str) -> dict[str, Value]:
 
     None where ``answer`` is no instance of it.
     """
-    from plogic.logic.safety.author import load_problog
-
     load_problog()
     from plogic.logic.safety.check import parse
 
@@ -89,18 +78,18 @@ def _matched(asked: Any, found: Any) -> dict[str, Value]:  # noqa: ANN401 - term
 
     if isinstance(asked, Var):
         return {} if asked.name.startswith("_") or isinstance(found, Var) else {asked.name: _value(found)}
-    if not isinstance(asked, Term) or isinstance(asked, Constant) or not isinstance(found, Term):
-        return {}
-    if asked.arity != found.arity:
+    if (
+        not isinstance(asked, Term)
+        or isinstance(asked, Constant)
+        or not isinstance(found, Term)
+        or asked.arity != found.arity
+    ):
         return {}
     result: dict[str, Value] = {}
     for one, other in zip(asked.args, found.args, strict=True):
-        result = _matched(one, other) | result if not result else result | _new(_matched(one, other), result)
+        for name, value in _matched(one, other).items():
+            result.setdefault(name, value)
     return result
-
-
-def _new(some: dict[str, Value], known: dict[str, Value]) -> dict[str, Value]:
-    return {name: value for name, value in some.items() if name not in known}
 
 
 def _value(term: Any) -> Value:  # noqa: ANN401 - a term of ProbLog's

@@ -232,7 +232,8 @@ class _Checker:
             return True
         if name.functor != "library" or name.arity != 1:
             return False
-        return isinstance(name.args[0], Var) or _is_pure(name.args[0])
+        library = name.args[0]
+        return isinstance(library, Var) or str(library).strip("'") in LIBRARIES | LIBRARY_FILES
 
 
 REASON = "it is not on the list of predicates that cannot reach files or code"
@@ -254,11 +255,6 @@ def together(first: str, more: list[str]) -> str:
 def with_place(reason: str, place: dict[str, Any]) -> str:
     """``file:line:column: reason``."""
     return ":".join(str(place[key]) for key in ("file", "line", "column") if key in place) + f": {reason}"
-
-
-def _is_pure(name: Any) -> bool:  # noqa: ANN401 - a term of ProbLog's
-    text = str(name).strip("'")
-    return text in LIBRARIES or text in LIBRARY_FILES
 
 
 def _builtins() -> frozenset[str]:

@@ -16,6 +16,7 @@ from __future__ import annotations
 import os
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, field
+from functools import partial
 from typing import Any, NoReturn
 
 import problog
@@ -106,7 +107,7 @@ class SafeEngine(DefaultEngine):  # type: ignore[misc]
             if signature in LOUD:
                 self._override(signature, BooleanBuiltIn(_silent))
             elif signature not in GOALS | LOADERS:
-                self._override(signature, _Refusal(signature))
+                self._override(signature, partial(_refused, signature))
         self._override("subquery/5", SimpleBuiltIn(_subquery))
         self._override("subquery_in_scope/6", SimpleBuiltIn(_subquery_in_scope))
 
@@ -162,15 +163,10 @@ def _counts(evaluator: Any, *, database: Any, location: Any = None, **_: Any) ->
         database.refuse(f"counting by {evaluator} is not allowed", location)
 
 
-class _Refusal:
+def _refused(signature: str, *_: Any, database: SafeDB, location: Any = None, **__: Any) -> NoReturn:  # noqa: ANN401 - ProbLog's calls
     """Stands in for a built-in."""
-
-    def __init__(self, signature: str) -> None:
-        self.signature = signature
-
-    def __call__(self, *_: Any, database: SafeDB, location: Any = None, **__: Any) -> NoReturn:  # noqa: ANN401 - ProbLog's calls
-        reason = f"{self.signature} is not allowed: it is not on the list of predicates that cannot reach files or code"
-        database.refuse(reason, location)
+    reason = f"{signature} is not allowed: it is not on the list of predicates that cannot reach files or code"
+    database.refuse(reason, location)
 
 
 NEGATED = frozenset({"\\+/1", "not/1", "forall/2"})
@@ -328,13 +324,17 @@ def unknown(signature: str) -> str:
 def _unknown_calls(db: Any, texts: list[dict[str, str]]) -> list[str]:  # noqa: ANN401 - a ClauseDB
     """Every call in the texts to a predicate without clauses, with its place, in the order of the texts."""
     files = [item["file"] for item in texts]
-    found = []
-    for _, node in db.enum_nodes():
-        if type(node).__name__ != "call" or node.location is None or node.defnode < 0 or db.get_node(node.defnode):
-            continue
-        spot = db.lineno(node.location, force_filename=True)
-        if spot is not None and spot[0] in files:
-            found.append((files.index(spot[0]), spot[1], spot[2], unknown(f"{node.functor}/{len(node.args)}")))
+    calls = [
+        node
+        for _, node in db.enum_nodes()
+        if type(node).__name__ == "call" and node.location and node.defnode >= 0 and not db.get_node(node.defnode)
+    ]
+    spots = ((node, db.lineno(node.location, force_filename=True)) for node in calls)
+    found = (
+        (files.index(spot[0]), spot[1], spot[2], unknown(f"{node.functor}/{len(node.args)}"))
+        for node, spot in spots
+        if spot is not None and spot[0] in files
+    )
     return [
         with_place(reason, {"file": files[i], "line": line, "column": column})
         for i, line, column, reason in sorted(found)

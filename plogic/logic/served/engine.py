@@ -212,18 +212,12 @@ def _told(request: dict[str, Any], limits: Limits, *, late: bool = True) -> str:
     command, memory = python("plogic.logic.served.program_child"), limits.megabytes * 2**20
     with ending_well(), Child(command, told=json.dumps(request).encode(), memory=memory) as child:
         told, over = child.rest(limits.seconds)
-        if not over:
-            _check_started(child.wait(), told, child.last_words())
+        if not over and (status := child.wait()) > 0 and not told:  # not by a signal, as where memory ran out
+            said = (child.last_words().strip().splitlines() or [f"exit status {status}"])[-1]
+            raise errors.LimitError(f"the process of the inference could not work: {said[:300]}")
     if over and not late:
         raise errors.LimitError(f"the inference took longer than {limits.seconds:g} s")
     return told.decode()
-
-
-def _check_started(status: int, told: bytes, said: str) -> None:
-    """Raise LimitError with its last words where the process failed by itself (not by a signal, as where memory ran out) before it replied."""
-    if status > 0 and not told:
-        last = (said.strip().splitlines() or [f"exit status {status}"])[-1]
-        raise errors.LimitError(f"the process of the inference could not work: {last[:300]}")
 
 
 def _raise(error: dict[str, Any], limits: Limits) -> None:

@@ -44,14 +44,18 @@ def unknown_names(goal: Small, rules: Rules, names: Names | None) -> list[str]:
 
     A hypothesis is no unknown name, though no fact at this place speaks of it.
     """
-    notes = []
     hypotheses = _at(rules, ("hypothesis", 2), 1)
-    for atom in _atoms(goal):
-        for i, argument in enumerate(atom[1:], 1):
-            known = _at(rules, signature(atom), i)
-            if is_atom(argument) and isinstance(argument, tuple) and known and argument not in known | hypotheses:
-                notes.append(_note(atom, i, argument, sorted(text(k, names) for k in known), names))
-    return notes
+    places = (
+        (atom, i, argument, _at(rules, signature(atom), i))
+        for atom in _atoms(goal)
+        for i, argument in enumerate(atom[1:], 1)
+        if is_atom(argument) and isinstance(argument, tuple)
+    )
+    return [
+        _note(atom, i, argument, sorted(text(k, names) for k in known), names)
+        for atom, i, argument, known in places
+        if known and argument not in known | hypotheses
+    ]
 
 
 def _note(atom: Small, place: int, argument: Small, known: list[str], names: Names | None) -> str:

@@ -8,27 +8,20 @@ image's centre.
   between them
 """
 
-from __future__ import annotations
-
-from dataclasses import dataclass
+from collections.abc import Iterable, Iterator, Sequence
+from dataclasses import dataclass, fields
 from functools import cached_property
-from typing import TYPE_CHECKING
+from typing import Any, Self
 
 import numpy as np
+from numpy.typing import NDArray
 
+from geometry.arrays import Floats, Indices, Mask
 from geometry.camera import Camera
 from kb.clouds.words import POINT, SIDE, WIDTHS
-from plogic.match.gamma.grid import grid_of
+from plogic.match.gamma.grid import Grid, grid_of
 from plogic.match.gamma.side_looks import contrasts_of
-
-if TYPE_CHECKING:
-    from collections.abc import Iterator, Sequence
-
-    from numpy.typing import NDArray
-
-    from plogic.match.gamma.grid import Grid
-    from sensing.appearance import Appearance
-
+from sensing.appearance import Appearance
 
 ENTRIES = 2**20
 """Entries of a block, one row at least: 8 MB of each array of floats; of the dozen that a search has at a time about
@@ -39,6 +32,25 @@ def blocks(rows: int, columns: int) -> Iterator[slice]:
     """The rows of a table, as many at a time as have ``ENTRIES`` entries; none of an empty table."""
     some = max(1, ENTRIES // max(1, columns))
     return (slice(start, min(start + some, rows)) for start in range(0, rows, some))
+
+
+@dataclass(frozen=True, eq=False)
+class Columns:
+    """A table of N rows: its fields are arrays whose first axis is N, or such tables."""
+
+    def columns(self) -> list[Any]:
+        """The fields, in their order."""
+        return [getattr(self, field.name) for field in fields(self)]
+
+    def take(self, which: Indices | Mask | list[int] | slice) -> Self:
+        """The rows at an index, or where a mask (N,) holds."""
+        return type(self)(*(c.take(which) if isinstance(c, Columns) else c[which] for c in self.columns()))
+
+    @classmethod
+    def joined(cls, tables: Iterable[Self]) -> Self:
+        """The rows of at least one table, one table after the other."""
+        columns = zip(*(table.columns() for table in tables), strict=True)
+        return cls(*(type(c[0]).joined(c) if isinstance(c[0], Columns) else np.concatenate(c) for c in columns))
 
 
 @dataclass(frozen=True)
@@ -56,27 +68,27 @@ class Data:
 
     ids: tuple[str, ...]
     types: tuple[str, ...]
-    uv: NDArray[np.float64]
-    ideal: NDArray[np.float64]
-    arms: NDArray[np.float64]
+    uv: Floats
+    ideal: Floats
+    arms: Floats
     camera: Camera
-    angle: NDArray[np.float64]
-    scale: NDArray[np.float64]
+    angle: Floats
+    scale: Floats
     descriptors: NDArray[np.uint8]
-    described: NDArray[np.bool_]
-    sided: NDArray[np.bool_]
+    described: Mask
+    sided: Mask
     looks: NDArray[np.uint8]
-    part_of: tuple[Data, NDArray[np.intp]] | None = None
-    depth: NDArray[np.float64] | None = None
-    depth_sigma: NDArray[np.float64] | None = None
+    part_of: "tuple[Data, Indices] | None" = None
+    depth: Floats | None = None
+    depth_sigma: Floats | None = None
 
     @property
-    def whole(self) -> Data:
+    def whole(self) -> "Data":
         """All of Γ."""
         return self if self.part_of is None else self.part_of[0]
 
     @property
-    def rows(self) -> NDArray[np.intp]:
+    def rows(self) -> Indices:
         """(A,) where these are in ``whole``."""
         return np.arange(len(self.ids)) if self.part_of is None else self.part_of[1]
 
@@ -86,7 +98,7 @@ class Data:
         return self.descriptors.shape[1] > POINT
 
     @cached_property
-    def namesakes(self) -> NDArray[np.intp]:
+    def namesakes(self) -> Indices:
         """(A,) how many of all of Γ are of each one's type."""
         if self.part_of is not None:
             return self.whole.namesakes[self.rows]
@@ -94,13 +106,13 @@ class Data:
         return np.bincount(which)[which]
 
     @cached_property
-    def by_look(self) -> tuple[tuple[str, ...], NDArray[np.intp]]:
+    def by_look(self) -> tuple[tuple[str, ...], Indices]:
         """The names of the types that are there, and (A,) which of them each is of."""
         names, which = np.unique(np.array(self.types, str), return_inverse=True)
         return tuple(names.tolist()), np.asarray(which, np.intp)
 
     @cached_property
-    def sizes(self) -> NDArray[np.float64]:
+    def sizes(self) -> Floats:
         """(A,) the logarithm of ``scale``."""
         return np.log(self.scale)
 
@@ -117,17 +129,17 @@ class Data:
         return grid_of(which, self.uv[which], (self.camera.width, self.camera.height), self.angle[which])
 
     @cached_property
-    def contrasts(self) -> NDArray[np.float64]:
+    def contrasts(self) -> Floats:
         """(256,) density of each contrast among all of Γ's sides of edges."""
         return self.whole.contrasts if self.part_of is not None else contrasts_of(self.looks[self.sided])
 
-    def only(self, keep: NDArray[np.bool_]) -> Data:
+    def only(self, keep: Mask) -> "Data":
         """The appearances where ``keep`` (A,) holds."""
         index = np.flatnonzero(keep)
         rows = index.tolist()
-        names = tuple(map(self.ids.__getitem__, rows)), tuple(map(self.types.__getitem__, rows))
         return Data(
-            *names,
+            tuple(map(self.ids.__getitem__, rows)),
+            tuple(map(self.types.__getitem__, rows)),
             self.uv[index],
             self.ideal[index],
             self.arms[index],
@@ -144,7 +156,7 @@ class Data:
         )
 
 
-def centre_of(camera: Camera) -> NDArray[np.float64]:
+def centre_of(camera: Camera) -> Floats:
     """Centre (2,) of the ideal image, pixels."""
     return np.array([(camera.width - 1) / 2.0, (camera.height - 1) / 2.0])
 
@@ -161,48 +173,57 @@ def data_of(appearances: Sequence[Appearance], camera: Camera, width: int = 138)
     ``width``: bytes of those descriptors that the KB's words are made of; colours count where all have them.
     """
     uv = np.array([a.uv for a in appearances], dtype=float).reshape(-1, 2)
-    most = max((len(a.arms) for a in appearances), default=0)
-    arms = np.full((len(appearances), most), np.nan)
+    arms = np.full((len(appearances), max((len(a.arms) for a in appearances), default=0)), np.nan)
     for row, appearance in zip(arms, appearances, strict=True):
         row[: len(appearance.arms)] = appearance.arms
-    ideal = camera.normalised(uv) * camera.f + centre_of(camera)
-    ids = tuple(a.id for a in appearances)
     angle = np.array([np.nan if a.angle is None else a.angle for a in appearances], dtype=float)
     scale = np.array([np.nan if a.scale is None else a.scale for a in appearances], dtype=float)
     sizes = np.array([len(a.descriptor or b"") for a in appearances], dtype=int)
     described = (
         np.isin(sizes, [size for size in WIDTHS if WIDTHS[size] == WIDTHS[width]]) & np.isfinite(angle) & (scale > 0.0)
     )
-    width = min([width, *sizes[described].tolist()])
-    whole = b"".join(
-        (a.descriptor or b"")[:width] if has else bytes(width) for a, has in zip(appearances, described, strict=True)
-    )
-    descriptors = np.frombuffer(whole, np.uint8).reshape(len(appearances), width)
     sided = (sizes == SIDE) & np.isfinite(angle) & np.isnan(scale)
-    looks = np.zeros((len(appearances), SIDE), np.uint8)
-    looks[sided] = np.frombuffer(
-        b"".join(a.descriptor or b"" for a, has in zip(appearances, sided, strict=True) if has), np.uint8
-    ).reshape(-1, SIDE)
-    types = tuple(a.type for a in appearances)
-    depth = _depths_of(appearances)
-    return Data(ids, types, uv, ideal, arms, camera, angle, scale, descriptors, described, sided, looks, None, *depth)
+    return Data(
+        tuple(a.id for a in appearances),
+        tuple(a.type for a in appearances),
+        uv,
+        camera.normalised(uv) * camera.f + centre_of(camera),
+        arms,
+        camera,
+        angle,
+        scale,
+        _bytes_of(appearances, described, min([width, *sizes[described].tolist()])),
+        described,
+        sided,
+        _bytes_of(appearances, sided, SIDE),
+        None,
+        *_depths_of(appearances),
+    )
 
 
-def _depths_of(appearances: Sequence[Appearance]) -> tuple[NDArray[np.float64] | None, NDArray[np.float64] | None]:
+def _bytes_of(appearances: Sequence[Appearance], which: Mask, width: int) -> NDArray[np.uint8]:
+    """(A, width) the first bytes of the descriptors ``which`` (A,), zeros for the others."""
+    rows = zip(appearances, which, strict=True)
+    whole = b"".join((a.descriptor or b"")[:width] if has else bytes(width) for a, has in rows)
+    return np.frombuffer(whole, np.uint8).reshape(len(appearances), width)
+
+
+def _depths_of(appearances: Sequence[Appearance]) -> tuple[Floats | None, Floats | None]:
     """Depths and their standard deviations (A,), or None where there are none."""
     if all(a.depth is None for a in appearances):
         return None, None
     rows = [
         (np.nan, np.nan) if a.depth is None or a.depth_sigma is None else (a.depth, a.depth_sigma) for a in appearances
     ]
-    return np.array([d for d, _ in rows]), np.array([s for _, s in rows])
+    depth, sigma = np.array(rows).T
+    return depth, sigma
 
 
 FAR = np.float32(-1e6)
 """Where a point behind the camera is put: outside every image."""
 
 
-def project_ideal(poses: NDArray[np.float64], points: NDArray[np.float64], data: Data) -> NDArray[np.float32]:
+def project_ideal(poses: Floats, points: Floats, data: Data) -> NDArray[np.float32]:
     """(N, F, 2) ideal pixels of object points (F, 3) under poses (N, 4, 4), single precision.
 
     Far outside the image where behind the camera.
@@ -219,6 +240,6 @@ def project_ideal(poses: NDArray[np.float64], points: NDArray[np.float64], data:
     return places
 
 
-def viewpoints_of(poses: NDArray[np.float64]) -> NDArray[np.float64]:
+def viewpoints_of(poses: Floats) -> Floats:
     """(N, 3) the camera's place in the object's frame under each pose."""
     return -np.einsum("nji,nj->ni", poses[:, :3, :3], poses[:, :3, 3])

@@ -1,30 +1,38 @@
-"""Data by where they lie, and by which way they face: a grid over the image and the circle, so that many places are asked at once.
+"""Data by where they lie and which way they face: angles on the screen, and a grid over the image and the circle.
+
+Angles are radians, clockwise from +x. Many places are asked of the grid at once.
 
 * ``Grid``: the data by cell
 * ``taken(low, high)``: many ranges of one sorted array at once
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
 import numpy as np
 
-from plogic.match.gamma.screen_angles import part_of_circle
+from geometry.arrays import Floats, Indices
 
-if TYPE_CHECKING:
-    from numpy.typing import NDArray
 
-    Indices = NDArray[np.intp]
-    Floats = NDArray[np.float64]
+def wrapped(angle: Floats) -> Floats:
+    """The same angles, radians, between −π and π."""
+    return np.asarray(angle - 2.0 * np.pi * np.rint(angle / (2.0 * np.pi)))
+
+
+def screen_angle(direction: Floats, at: Floats) -> Floats:
+    """Angle on the screen, radians clockwise from +x, of a direction (…, 3) in space at a place (…, 3), both in the camera's frame."""
+    du = direction[..., 0] * at[..., 2] - at[..., 0] * direction[..., 2]
+    return np.asarray(np.arctan2(direction[..., 1] * at[..., 2] - at[..., 1] * direction[..., 2], du))
+
+
+def part_of_circle(angle: Floats, parts: int) -> Indices:
+    """In which of so many equal parts of the circle, from 0, each angle lies."""
+    return np.asarray(np.floor(np.mod(angle, 2.0 * np.pi) / (2.0 * np.pi) * parts).astype(np.intp) % parts)
 
 
 def taken(low: Indices, high: Indices) -> tuple[Indices, Indices]:
     """Rows and positions, row by row, of the half-open ranges ``low`` to ``high`` (Q, R)."""
     count = (high - low).ravel()
-    ends = np.cumsum(count)
-    at = np.arange(count.sum()) + np.repeat(low.ravel() - ends + count, count)
+    at = np.arange(count.sum()) + np.repeat(low.ravel() - np.cumsum(count) + count, count)
     return np.repeat(np.arange(len(low)), (high - low).sum(axis=1)), at
 
 

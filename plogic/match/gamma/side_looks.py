@@ -5,18 +5,11 @@
 * ``looks_fit(mine, its)``: how much likelier such looks are of what is right than of what merely may be
 """
 
-from __future__ import annotations
-
-from typing import TYPE_CHECKING
-
 import numpy as np
+from numpy.typing import NDArray
 
+from geometry.arrays import Floats
 from kb.clouds.words import COLOURS, SIDE
-
-if TYPE_CHECKING:
-    from numpy.typing import NDArray
-
-    Floats = NDArray[np.float64]
 
 OFF = 40.0
 """Bytes by which the four colours may be off, together."""

@@ -11,27 +11,17 @@ of thousands at once.
   taken cell by cell; and as no arm refuses a pair, the other anchors' votes choose those that are kept
 """
 
-from __future__ import annotations
-
+from collections.abc import Callable
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
 import numpy as np
+from numpy.typing import NDArray
 
+from geometry.arrays import Floats, Indices, Mask
 from plogic.base.clock import unhurried
-from plogic.match.gamma.data import blocks
-from plogic.match.gamma.screen_angles import wrapped
-from plogic.match.hand.votes import distance_maps, votes
-
-if TYPE_CHECKING:
-    from collections.abc import Callable
-
-    from numpy.typing import NDArray
-
-    from plogic.match.gamma.data import Data
-    from plogic.match.hand.view_cells import ViewCells
-    from plogic.match.hand.votes import DistanceMaps
-
+from plogic.match.gamma.data import Columns, Data, blocks
+from plogic.match.gamma.grid import wrapped
+from plogic.match.hand.view_cells import ViewCells, distance_maps, votes
 
 ARM_TOLERANCE = np.radians(16.0)
 """How far an arm may lie from the edge that the nearest cell predicts: half a cell's width plus the detector's
@@ -41,23 +31,19 @@ MOST_PAIRS = 60_000
 
 
 @dataclass(frozen=True)
-class Pairs:
+class Pairs(Columns):
     """N coarse poses: cell, first and second feature and appearance, (N,) each; ``roll`` radians.
 
     ``scale`` pixels per metre.
     """
 
-    cell: NDArray[np.intp]
-    feature: NDArray[np.intp]
-    datum: NDArray[np.intp]
-    other_feature: NDArray[np.intp]
-    other_datum: NDArray[np.intp]
-    roll: NDArray[np.float64]
-    scale: NDArray[np.float64]
-
-    def take(self, index: NDArray[np.intp]) -> Pairs:
-        """The pairs at ``index``."""
-        return Pairs(*(getattr(self, name)[index] for name in self.__dataclass_fields__))
+    cell: Indices
+    feature: Indices
+    datum: Indices
+    other_feature: Indices
+    other_datum: Indices
+    roll: Floats
+    scale: Floats
 
 
 BINS = 64
@@ -72,19 +58,19 @@ STRAIGHT = np.cos(np.radians(1.0))
 
 
 @dataclass(frozen=True)
-class DataLinks:
+class DataLinks(Columns):
     """N links of Γ: ``first``, ``second`` (N,) data; ``angle`` (N,) of the line from first to second.
 
     ``length`` (N,) pixels.
     """
 
-    first: NDArray[np.intp]
-    second: NDArray[np.intp]
-    angle: NDArray[np.float64]
-    length: NDArray[np.float64]
+    first: Indices
+    second: Indices
+    angle: Floats
+    length: Floats
 
 
-def feature_links(points: NDArray[np.float64], arms: list[NDArray[np.float64]]) -> NDArray[np.intp]:
+def feature_links(points: Floats, arms: list[Floats]) -> Indices:
     """(N, 2) ordered pairs of features (F, 3) that an edge joins, both ways round.
 
     ``arms`` are each feature's edge directions.
@@ -95,10 +81,9 @@ def feature_links(points: NDArray[np.float64], arms: list[NDArray[np.float64]]) 
             step = points - points[f]
             along, length = step @ direction, np.linalg.norm(step, axis=1)
             on = np.flatnonzero((length > 0) & (along >= STRAIGHT * length))
-            ends = [g for g in on if len(arms[g])]
-            if ends:
-                g = min(ends, key=lambda g: length[g])
-                found |= {(f, int(g)), (int(g), f)}
+            end = min((int(g) for g in on if len(arms[g])), key=lambda g: length[g], default=None)
+            if end is not None:
+                found |= {(f, end), (end, f)}
     return np.array(sorted(found), dtype=np.intp).reshape(-1, 2)
 
 
@@ -109,14 +94,10 @@ def data_links(data: Data, check: Callable[[], None] = unhurried) -> DataLinks:
     """
     armed = np.flatnonzero(np.isfinite(data.arms).any(axis=1))
     found = [_links_from(armed[some], data, check) for some in blocks(len(armed), len(data.ids))]
-    if not found:
-        found = [_links_from(armed, data, check)]
-    return DataLinks(
-        *(np.concatenate([getattr(links, name) for links in found]) for name in DataLinks.__dataclass_fields__)
-    )
+    return DataLinks.joined(found or [_links_from(armed, data, check)])
 
 
-def _links_from(junctions: NDArray[np.intp], data: Data, check: Callable[[], None]) -> DataLinks:
+def _links_from(junctions: Indices, data: Data, check: Callable[[], None]) -> DataLinks:
     """The links of some junctions (J,), by the first, then by the second."""
     check()
     step = data.ideal[None] - data.ideal[junctions][:, None]
@@ -127,8 +108,7 @@ def _links_from(junctions: NDArray[np.intp], data: Data, check: Callable[[], Non
         off = np.abs(wrapped(angle - data.arms[junctions, k : k + 1]))
         rows, columns = np.nonzero((off < POINTING) & apart)
         order = np.lexsort((length[rows, columns], rows))
-        nth = np.arange(len(rows)) - np.searchsorted(rows, rows)
-        near = order[nth < ALONG_ONE_ARM]
+        near = order[(np.arange(len(rows)) - np.searchsorted(rows, rows)) < ALONG_ONE_ARM]
         pairs |= set(zip(rows[near].tolist(), columns[near].tolist(), strict=True))
     index = np.array(sorted(pairs), dtype=np.intp).reshape(-1, 2)
     row, second = index[:, 0], index[:, 1]
@@ -137,8 +117,8 @@ def _links_from(junctions: NDArray[np.intp], data: Data, check: Callable[[], Non
 
 def linked_pairs(
     cells: ViewCells,
-    links: NDArray[np.intp],
-    allowed: NDArray[np.bool_],
+    links: Indices,
+    allowed: Mask,
     data: Data,
     scales: tuple[float, float],
     check: Callable[[], None] = unhurried,
@@ -184,15 +164,15 @@ def linked_pairs(
     return Pairs(cell[row], f[row], found.first[column], g[row], found.second[column], roll, scale.astype(float))
 
 
-def _scales(image: NDArray[np.float64], cloud: NDArray[np.float64], *, each: bool = False) -> NDArray[np.float32]:
+def _scales(image: Floats, cloud: Floats, *, each: bool = False) -> NDArray[np.float32]:
     """Pixels a metre of lengths in the image (D,) by those of the cloud (M,): of all (M, D), or of ``each`` two (D,)."""
     cloud = np.maximum(cloud, 1e-9)
     return np.asarray((image / cloud if each else image[None] / cloud[:, None]).astype(np.float32))
 
 
 def _agreement(
-    masks: NDArray[np.uint64], bins: NDArray[np.int64], row: NDArray[np.intp], column: NDArray[np.intp]
-) -> tuple[NDArray[np.int8], NDArray[np.bool_]]:
+    masks: NDArray[np.uint64], bins: NDArray[np.int64], row: Indices, column: Indices
+) -> tuple[NDArray[np.int8], Mask]:
     """How many arms of datum ``column`` (N,) lie on edges of feature ``row`` (N,), (N,), and whether they are enough.
 
     All arms of an L must fit, all but one of three or four, three of five: detectors lose arms, and texture adds some.
@@ -204,17 +184,16 @@ def _agreement(
         there = (bins[:, k] >= 0).astype(np.uint64)
         hits += ((words >> shift[column]) & there[column]).astype(np.int8)
     number = (bins >= 0).sum(axis=1)
-    needed = np.maximum(np.minimum(number, 2), np.ceil(0.6 * number)).astype(np.int8)
-    return hits, hits >= needed[column]
+    return hits, hits >= np.maximum(np.minimum(number, 2), np.ceil(0.6 * number)).astype(np.int8)[column]
 
 
-def _bins(angles: NDArray[np.float64]) -> NDArray[np.int64]:
+def _bins(angles: Floats) -> NDArray[np.int64]:
     """The bin of each angle, −1 for none."""
     index = np.floor(np.nan_to_num(angles, nan=0.0) / (2.0 * np.pi) * BINS + 0.5).astype(np.int64) % BINS
     return np.where(np.isnan(angles), -1, index)
 
 
-def _words(angles: NDArray[np.float64]) -> NDArray[np.uint64]:
+def _words(angles: Floats) -> NDArray[np.uint64]:
     """(M,) words with the bits set that lie within ``ARM_TOLERANCE`` of one of the angles (M, P)."""
     spread = int(ARM_TOLERANCE / (2.0 * np.pi) * BINS + 0.5)
     words = np.zeros(len(angles), dtype=np.uint64)
@@ -233,8 +212,8 @@ LARGEST_JOIN = 100_000
 
 def open_pairs(
     cells: ViewCells,
-    anchors: NDArray[np.intp],
-    allowed: NDArray[np.bool_],
+    anchors: Indices,
+    allowed: Mask,
     data: Data,
     scales: tuple[float, float],
     check: Callable[[], None] = unhurried,
@@ -248,25 +227,16 @@ def open_pairs(
         return Pairs(none, none, none, none, none, np.zeros(0), np.zeros(0))
     maps = distance_maps(allowed, data)
     found = [_of_cell(cells, c, anchors, allowed, data, scales, check) for c in range(len(cells.directions))]
-    worth = np.concatenate([_votes(pairs, cells, anchors, maps, data) for pairs in found])
-    every = Pairs(*(np.concatenate([getattr(pairs, name) for pairs in found]) for name in Pairs.__dataclass_fields__))
-    if len(worth) <= MOST_PAIRS:
-        return every
-    return every.take(np.sort(np.argsort(-worth, kind="stable")[:MOST_PAIRS]))
-
-
-def _votes(
-    pairs: Pairs, cells: ViewCells, anchors: NDArray[np.intp], maps: DistanceMaps, data: Data
-) -> NDArray[np.float64]:
-    """(N,) the share of the visible anchors that find a datum, each by how near it is."""
-    return votes(pairs, cells, maps, np.ones(cells.visible.shape[1]), data, anchors)
+    alike = np.ones(cells.visible.shape[1])
+    worth = np.concatenate([votes(pairs, cells, maps, alike, data, anchors) for pairs in found])
+    return Pairs.joined(found).take(np.sort(np.argsort(-worth, kind="stable")[:MOST_PAIRS]))
 
 
 def _of_cell(
     cells: ViewCells,
     c: int,
-    anchors: NDArray[np.intp],
-    allowed: NDArray[np.bool_],
+    anchors: Indices,
+    allowed: Mask,
     data: Data,
     scales: tuple[float, float],
     check: Callable[[], None],
@@ -297,7 +267,7 @@ def _of_cell(
     )
 
 
-def _thinned(packed: list[tuple[int, int, NDArray[np.uint8]]]) -> NDArray[np.intp]:
+def _thinned(packed: list[tuple[int, int, NDArray[np.uint8]]]) -> Indices:
     """Where bits are set in blocks of them, one after the other: all, or ``MOST_OF_CELL`` evenly.
 
     A block: how many are set, and are there.

@@ -1,25 +1,18 @@
 """From coarse pairs to refined poses: sets of four, POSIT, then least squares on all inliers (§6.1, §6.3), batched over all candidates."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
+from geometry.arrays import Floats, Indices, Mask
 from geometry.poses.posit import posit
 from geometry.poses.refine import Steps, refined_poses
-from plogic.match.gamma.data import centre_of, project_ideal
+from plogic.match.gamma.data import Columns, Data, centre_of, project_ideal
+from plogic.match.hand.correspondences import Pairs
 from plogic.match.hand.triples import turn_z_to
-from plogic.match.hand.votes import LOOSE, seen_cells, sizes
-
-if TYPE_CHECKING:
-    from numpy.typing import NDArray
-
-    from plogic.match.gamma.data import Data
-    from plogic.match.hand.correspondences import Pairs
-    from plogic.match.hand.view_cells import ViewCells
-    from plogic.match.hand.votes import DistanceMaps
+from plogic.match.hand.view_cells import LOOSE, DistanceMaps, ViewCells, seen_cells, sizes
+from plogic.match.judged.expectation import FEWEST
 
 ROUNDS = ((0.06, 48), (0.035, 32), (0.02, 24), (0.0, 24))
 """Of the successive rounds, the match tolerance in projected diameters (never below the detector's own) and how many of
@@ -34,40 +27,31 @@ ROBUST = 1.0
 """Pixels beyond which a match weighs less: among near ones a wrong match must not pull the pose."""
 STEPS = Steps(5)
 """Of least squares in a round."""
-FEWEST = 4
-"""Matches that a pose needs: with three there is always one."""
 MISSED = 0.4
 """Weight of a missed feature against a matched one where candidates are thinned."""
 
 
 @dataclass(frozen=True)
-class Candidates:
+class Candidates(Columns):
     """N candidate poses (N, 4, 4); ``matches`` (N, F) datum indices, −1 for none.
 
     ``fitted`` (N,) whether to at least ``FEWEST`` of them.
     """
 
-    camera_from_object: NDArray[np.float64]
-    matches: NDArray[np.intp]
-    fitted: NDArray[np.bool_]
-
-    def take(self, index: NDArray[np.intp]) -> Candidates:
-        """The poses at ``index``."""
-        return Candidates(self.camera_from_object[index], self.matches[index], self.fitted[index])
+    camera_from_object: Floats
+    matches: Indices
+    fitted: Mask
 
 
-class _Shown(NamedTuple):
+@dataclass(frozen=True)
+class _Shown(Columns):
     """Of N poses, ``places`` (N, F, 2) of the features, ideal pixels, and which are ``visible`` (N, F) from the nearest cell."""
 
     places: NDArray[np.float32]
-    visible: NDArray[np.bool_]
-
-    def take(self, index: NDArray[np.intp]) -> _Shown:
-        """The poses at ``index``."""
-        return _Shown(self.places[index], self.visible[index])
+    visible: Mask
 
 
-def coarse_poses(pairs: Pairs, cells: ViewCells, data: Data) -> NDArray[np.float64]:
+def coarse_poses(pairs: Pairs, cells: ViewCells, data: Data) -> Floats:
     """(N, 4, 4) camera_from_object of coarse pairs: the cell's rotation and roll, about the ray through the object's centre."""
     local = -cells.xy[pairs.cell, pairs.feature]
     cos, sin = np.cos(pairs.roll), np.sin(pairs.roll)
@@ -77,13 +61,13 @@ def coarse_poses(pairs: Pairs, cells: ViewCells, data: Data) -> NDArray[np.float
 
 
 def poses_about(
-    centre: NDArray[np.float64],
-    roll: NDArray[np.float64],
-    scale: NDArray[np.float64],
-    cell_from_object: NDArray[np.float64],
-    middle: NDArray[np.float64],
+    centre: Floats,
+    roll: Floats,
+    scale: Floats,
+    cell_from_object: Floats,
+    middle: Floats,
     data: Data,
-) -> NDArray[np.float64]:
+) -> Floats:
     """(N, 4, 4) camera_from_object of cells (N, 3, 3) turned by ``roll`` (N,) rad about the rays through ``centre`` (N, 2) ideal pixels.
 
     There lies each object's ``middle``, (N, 3) or (3,) in its own frame, where a metre is ``scale`` (N,) pixels.
@@ -101,10 +85,10 @@ def poses_about(
 
 
 def extend(
-    poses: NDArray[np.float64],
+    poses: Floats,
     cells: ViewCells,
-    points: NDArray[np.float64],
-    weights: NDArray[np.float64],
+    points: Floats,
+    weights: Floats,
     maps: DistanceMaps,
     data: Data,
     tolerance: float,
@@ -115,26 +99,21 @@ def extend(
     detector's ``tolerance`` (pixels); and as it is, trusted to be close, for wide tolerances make wrong matches where
     features lie dense.
     """
-    size = sizes(poses, cells, data.camera.f)
-    matches = rematch(poses, cells, points, maps, data, LOOSE * size)
-    solved = _from_quadruples(poses, points, weights, matches, data)
-    one = _narrowed(solved, ROUNDS, cells, points, weights, maps, data, tolerance)
-    other = _narrowed(poses[:TRUSTED], CLOSE, cells, points, weights, maps, data, tolerance)
-    both = Candidates(
-        np.concatenate([one.camera_from_object, other.camera_from_object]),
-        np.concatenate([one.matches, other.matches]),
-        np.concatenate([one.fitted, other.fitted]),
+    matches = rematch(poses, cells, points, maps, data, LOOSE * sizes(poses, cells, data.camera.f))
+    starts = (_from_quadruples(poses, points, weights, matches, data), ROUNDS), (poses[:TRUSTED], CLOSE)
+    both = Candidates.joined(
+        [_narrowed(some, rounds, cells, points, weights, maps, data, tolerance) for some, rounds in starts]
     )
     worth = _worth(_shown(both.camera_from_object, cells, points, data), both.matches, weights, maps)
     return both.take(np.argsort(-worth, kind="stable"))
 
 
 def _narrowed(
-    poses: NDArray[np.float64],
+    poses: Floats,
     rounds: tuple[tuple[float, int], ...],
     cells: ViewCells,
-    points: NDArray[np.float64],
-    weights: NDArray[np.float64],
+    points: Floats,
+    weights: Floats,
     maps: DistanceMaps,
     data: Data,
     tolerance: float,
@@ -152,15 +131,15 @@ def _narrowed(
     return Candidates(rigid(poses), matches, _enough(matches))
 
 
-def _shown(poses: NDArray[np.float64], cells: ViewCells, points: NDArray[np.float64], data: Data) -> _Shown:
+def _shown(poses: Floats, cells: ViewCells, points: Floats, data: Data) -> _Shown:
     return _Shown(project_ideal(poses, points, data), cells.visible[seen_cells(poses, cells)])
 
 
-def _enough(matches: NDArray[np.intp]) -> NDArray[np.bool_]:
+def _enough(matches: Indices) -> Mask:
     return np.asarray((matches >= 0).sum(axis=1) >= FEWEST)
 
 
-def rigid(poses: NDArray[np.float64]) -> NDArray[np.float64]:
+def rigid(poses: Floats) -> Floats:
     """The nearest rigid motions (N, 4, 4): rounding adds up over many small turns."""
     left, _, right = np.linalg.svd(poses[:, :3, :3])
     turned = poses.copy()
@@ -168,9 +147,7 @@ def rigid(poses: NDArray[np.float64]) -> NDArray[np.float64]:
     return turned
 
 
-def _worth(
-    shown: _Shown, matches: NDArray[np.intp], weights: NDArray[np.float64], maps: DistanceMaps
-) -> NDArray[np.float64]:
+def _worth(shown: _Shown, matches: Indices, weights: Floats, maps: DistanceMaps) -> Floats:
     """(N,) what was matched, less ``MISSED`` times what should be seen and was not; 0.2 + dv a feature."""
     value = shown.visible * ~maps.is_covered(shown.places) * (0.2 + weights)
     worth = np.where(matches >= 0, 0.2 + weights, -MISSED * value).sum(axis=1)
@@ -178,30 +155,29 @@ def _worth(
 
 
 def rematch(
-    poses: NDArray[np.float64],
+    poses: Floats,
     cells: ViewCells,
-    points: NDArray[np.float64],
+    points: Floats,
     maps: DistanceMaps,
     data: Data,
-    tolerance: NDArray[np.float64],
-) -> NDArray[np.intp]:
+    tolerance: Floats,
+) -> Indices:
     """(N, F) the datum of each feature that the nearest cell shows, within ``tolerance`` (N,) pixels, −1 for none."""
     return _nearest(_shown(poses, cells, points, data), maps, tolerance)
 
 
-def _nearest(shown: _Shown, maps: DistanceMaps, tolerance: NDArray[np.float64]) -> NDArray[np.intp]:
+def _nearest(shown: _Shown, maps: DistanceMaps, tolerance: Floats) -> Indices:
     """Nearest data within tolerance, each datum given to the nearest of the features that want it."""
     distance, datum = maps.look_up(shown.places)
     wanted = shown.visible & (distance <= tolerance[:, None])
     matches = np.where(wanted, datum, -1)
     order = np.argsort(np.where(wanted, distance, np.inf), axis=1, kind="stable")
     ranked = np.take_along_axis(matches, order, axis=1)
-    first = _first_of_each(ranked)
-    np.put_along_axis(matches, order, np.where(first, ranked, -1), axis=1)
+    np.put_along_axis(matches, order, np.where(_first_of_each(ranked), ranked, -1), axis=1)
     return matches
 
 
-def _first_of_each(rows: NDArray[np.intp]) -> NDArray[np.bool_]:
+def _first_of_each(rows: Indices) -> Mask:
     """(N, F) whether an entry is the first of its value in its row."""
     by_value = np.argsort(rows, axis=1, kind="stable")
     ordered = np.take_along_axis(rows, by_value, axis=1)
@@ -213,12 +189,12 @@ def _first_of_each(rows: NDArray[np.intp]) -> NDArray[np.bool_]:
 
 
 def _from_quadruples(
-    coarse: NDArray[np.float64],
-    points: NDArray[np.float64],
-    weights: NDArray[np.float64],
-    matches: NDArray[np.intp],
+    coarse: Floats,
+    points: Floats,
+    weights: Floats,
+    matches: Indices,
     data: Data,
-) -> NDArray[np.float64]:
+) -> Floats:
     """POSIT on the four matched features of highest dv, spread apart.
 
     Where it refuses or reprojects worse, the coarse pose stays.
@@ -228,59 +204,49 @@ def _from_quadruples(
     complete = np.flatnonzero((chosen >= 0).all(axis=1))
     if not len(complete):
         return coarse
-    xy = (data.ideal[chosen[complete]] - centre_of(data.camera)) / data.camera.f
-    solved = posit(points[four[complete]], xy)
-    good = solved.ok & (solved.camera_from_object[:, 2, 3] > 0)
-    old, new = coarse[complete], solved.camera_from_object
-    better = good & (_error(new, points, matches[complete], data) < _error(old, points, matches[complete], data))
+    solved = posit(points[four[complete]], (data.ideal[chosen[complete]] - centre_of(data.camera)) / data.camera.f)
+    old, new, its = coarse[complete], solved.camera_from_object, matches[complete]
+    better = solved.ok & (new[:, 2, 3] > 0) & (_error(new, points, its, data) < _error(old, points, its, data))
     poses = coarse.copy()
     poses[complete[better]] = new[better]
     return poses
 
 
-def _sets_of_four(
-    points: NDArray[np.float64], weights: NDArray[np.float64], matches: NDArray[np.intp]
-) -> NDArray[np.intp]:
+def _sets_of_four(points: Floats, weights: Floats, matches: Indices) -> Indices:
     """(N, 4) feature indices, highest dv first, each next one the farthest from those before among the most distinctive matched ones."""
     value = np.where(matches >= 0, weights[None], -1.0)
-    rows = np.arange(len(matches))
     four = np.empty((len(matches), 4), dtype=np.intp)
     four[:, 0] = value.argmax(axis=1)
     gap = np.full(matches.shape, np.inf)
     for k in range(1, 4):
-        step = np.linalg.norm(points[None] - points[four[:, k - 1]][:, None], axis=2)
-        gap = np.minimum(gap, step)
+        gap = np.minimum(gap, np.linalg.norm(points[None] - points[four[:, k - 1]][:, None], axis=2))
         four[:, k] = np.where(value >= 0.0, gap * value, -1.0).argmax(axis=1)
-    same = (np.sort(four, axis=1)[:, 1:] == np.sort(four, axis=1)[:, :-1]).any(axis=1)
-    four[same] = matches[rows[same]].argmin(axis=1)[:, None]
+    ordered = np.sort(four, axis=1)
+    same = (ordered[:, 1:] == ordered[:, :-1]).any(axis=1)
+    four[same] = matches[same].argmin(axis=1)[:, None]
     return four
 
 
-def _error(
-    poses: NDArray[np.float64], points: NDArray[np.float64], matches: NDArray[np.intp], data: Data
-) -> NDArray[np.float64]:
+def _error(poses: Floats, points: Floats, matches: Indices, data: Data) -> Floats:
     """(N,) median distance in pixels between matched features and their data."""
     off = np.linalg.norm(project_ideal(poses, points, data) - data.ideal[matches], axis=2)
     return np.asarray(np.nanmedian(np.where(matches >= 0, off, np.nan), axis=1))
 
 
-def _refined(
-    poses: NDArray[np.float64], points: NDArray[np.float64], matches: NDArray[np.intp], data: Data
-) -> NDArray[np.float64]:
+def _refined(poses: Floats, points: Floats, matches: Indices, data: Data) -> Floats:
     """Least squares on all inliers; poses with fewer than four stay as they are."""
     enough = np.flatnonzero(_enough(matches))
     if not len(enough):
         return poses
     first = firsts(matches[enough] >= 0)
     its = np.take_along_axis(matches[enough], first, axis=1)
-    better = refined_poses(
+    better = poses.copy()
+    better[enough] = refined_poses(
         poses[enough], points[first], data.uv[its], (its >= 0).astype(float), data.camera, STEPS, huber=ROBUST
     )
-    poses = poses.copy()
-    poses[enough] = better
-    return poses
+    return better
 
 
-def firsts(used: NDArray[np.bool_]) -> NDArray[np.intp]:
+def firsts(used: Mask) -> Indices:
     """(N, M) in each row of (N, F) the ``used`` columns, in order, and then others, as many as the fullest row has: what is missing costs time."""
     return np.argsort(~used, axis=1, kind="stable")[:, : int(used.sum(axis=1).max(initial=0))]

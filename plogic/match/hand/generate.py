@@ -9,25 +9,21 @@ import numpy as np
 
 from geometry.poses.refine import refined_poses
 from plogic.base.clock import unhurried
-from plogic.match.gamma.data import project_ideal
-from plogic.match.hand.correspondences import linked_pairs, open_pairs
+from plogic.match.gamma.data import Data, project_ideal
+from plogic.match.hand.correspondences import Pairs, linked_pairs, open_pairs
 from plogic.match.hand.extend import Candidates, coarse_poses, extend, firsts
 from plogic.match.hand.triples import image_triples, triple_poses
-from plogic.match.hand.votes import DistanceMaps, best_apart, distance_maps, pose_votes, votes
-from plogic.match.judged.alike import distinct, same_place
+from plogic.match.hand.view_cells import DistanceMaps, best_apart, distance_maps, pose_votes, votes
 from plogic.match.judged.evidence import evidence
 from plogic.match.judged.expectation import matched, pose_of
-from plogic.match.judged.settling import polished, settled
+from plogic.match.judged.rivals import distinct, distinct_poses
 
 if TYPE_CHECKING:
     from collections.abc import Callable
 
-    from numpy.typing import NDArray
-
+    from geometry.arrays import Floats, Mask
     from kb.clouds.cloud import KnowledgeBase
     from plogic.facts.hypothesis import Hypothesis
-    from plogic.match.gamma.data import Data
-    from plogic.match.hand.correspondences import Pairs
     from plogic.match.hand.hand_models import TypeIndex
 
 VOTED = 2000
@@ -45,7 +41,7 @@ def generate(
     index: TypeIndex,
     data: Data,
     kb: KnowledgeBase,
-    covered: NDArray[np.bool_] | None = None,
+    covered: Mask | None = None,
     *,
     refined: int = REFINED,
     verified: int = VERIFIED,
@@ -76,20 +72,15 @@ def generate(
     return _verified(found, index, allowed, maps, data, kb, verified, check)
 
 
-def _from_pairs(
-    index: TypeIndex, allowed: NDArray[np.bool_], maps: DistanceMaps, data: Data, check: Callable[[], None]
-) -> NDArray[np.float64]:
+def _from_pairs(index: TypeIndex, allowed: Mask, maps: DistanceMaps, data: Data, check: Callable[[], None]) -> Floats:
     """(N, 4, 4) the poses of those pairs that the anchors vote for most."""
     coarse = _pairs(index, allowed, data, check)
     check()
     worth = votes(coarse, index.cells, maps, index.weights, data, index.anchors)
-    best = np.sort(np.argsort(-worth, kind="stable")[:VOTED])
-    return coarse_poses(coarse.take(best), index.cells, data)
+    return coarse_poses(coarse.take(np.sort(np.argsort(-worth, kind="stable")[:VOTED])), index.cells, data)
 
 
-def _from_triples(
-    index: TypeIndex, allowed: NDArray[np.bool_], maps: DistanceMaps, data: Data, check: Callable[[], None]
-) -> NDArray[np.float64]:
+def _from_triples(index: TypeIndex, allowed: Mask, maps: DistanceMaps, data: Data, check: Callable[[], None]) -> Floats:
     """(N, 4, 4) the poses of those triples that the anchors and some of the other features vote for most."""
     members = np.flatnonzero(allowed[index.triples.features.ravel()].any(axis=0))
     if len(members) < 3:
@@ -105,16 +96,13 @@ def _from_triples(
     return poses[np.sort(np.argsort(-worth, kind="stable")[:VOTED])]
 
 
-def _pairs(index: TypeIndex, allowed: NDArray[np.bool_], data: Data, check: Callable[[], None]) -> Pairs:
+def _pairs(index: TypeIndex, allowed: Mask, data: Data, check: Callable[[], None]) -> Pairs:
     """Pairs by the junctions' arms where the detector gave arms, by places alone where it gave none."""
-    scales = _scales(index, data)
     anchored = np.asarray(allowed[index.anchors].any(axis=0))
     some, columns = data.only(anchored), np.flatnonzero(anchored)
-    edged = index.cells.arms.shape[2] > 0 and bool(np.isfinite(some.arms).any())
-    if edged and len(index.links):
-        found = linked_pairs(index.cells, index.links, allowed[:, columns], some, scales, check)
-    else:
-        found = open_pairs(index.cells, index.anchors, allowed[:, columns], some, scales, check)
+    edged = index.cells.arms.shape[2] > 0 and bool(np.isfinite(some.arms).any()) and len(index.links) > 0
+    made, ends = (linked_pairs, index.links) if edged else (open_pairs, index.anchors)
+    found = made(index.cells, ends, allowed[:, columns], some, _scales(index, data), check)
     return replace(found, datum=columns[found.datum], other_datum=columns[found.other_datum])
 
 
@@ -126,7 +114,7 @@ def _scales(index: TypeIndex, data: Data) -> tuple[float, float]:
 def _verified(
     found: Candidates,
     index: TypeIndex,
-    allowed: NDArray[np.bool_],
+    allowed: Mask,
     maps: DistanceMaps,
     data: Data,
     kb: KnowledgeBase,
@@ -134,31 +122,28 @@ def _verified(
     check: Callable[[], None],
 ) -> list[tuple[float, Hypothesis]]:
     """Cast rays for the best refined poses, match, polish once, and keep one of each heap of near-duplicates."""
-    poses: list[NDArray[np.float64]] = []
-    for pose in found.camera_from_object[found.fitted]:  # they come best first
-        if len(poses) >= most:
-            break
-        if _plausible(pose, index) and not any(same_place(index.object_type, pose, old) for old in poses):
-            poses.append(pose)
+    fitted = (
+        pose for pose in found.camera_from_object[found.fitted] if _plausible(pose, index)
+    )  # they come best first
     first = []
-    for pose in poses:
+    for pose in distinct_poses(index.object_type, fitted, most):
         check()
         first.append(_matched_at(index, pose, allowed, maps, data, kb))
     scored = []
     for posed, hidden in _polished(index, first, allowed, maps, data, kb, check):
         check()
         scored.append((evidence(posed, data, kb, hidden).ratio, posed))
-    return distinct(sorted(scored, key=lambda pair: -pair[0]), index.object_type)
+    return distinct(scored, index.object_type)
 
 
 def _matched_at(
     index: TypeIndex,
-    pose: NDArray[np.float64],
-    allowed: NDArray[np.bool_],
+    pose: Floats,
+    allowed: Mask,
     maps: DistanceMaps,
     data: Data,
     kb: KnowledgeBase,
-) -> tuple[Hypothesis, NDArray[np.bool_]]:
+) -> tuple[Hypothesis, Mask]:
     """The hypothesis at a pose, matched, and its features (F,) that accepted objects cover."""
     posed = pose_of(index.object_type, pose, data, kb)
     hidden = maps.is_covered(project_ideal(pose[None], index.points, data)[0])
@@ -167,21 +152,21 @@ def _matched_at(
 
 def _polished(
     index: TypeIndex,
-    found: list[tuple[Hypothesis, NDArray[np.bool_]]],
-    allowed: NDArray[np.bool_],
+    found: list[tuple[Hypothesis, Mask]],
+    allowed: Mask,
     maps: DistanceMaps,
     data: Data,
     kb: KnowledgeBase,
     check: Callable[[], None],
-) -> list[tuple[Hypothesis, NDArray[np.bool_]]]:
+) -> list[tuple[Hypothesis, Mask]]:
     """All refined in one batch and matched again; those with fewer than four expected features detected are dropped."""
-    used = np.array([p.candidate & p.detected & ~hidden for p, hidden in found]).reshape(len(found), len(index.points))
+    used = np.array([p.expected(hidden) & p.detected for p, hidden in found]).reshape(len(found), len(index.points))
     some = np.flatnonzero(used.sum(axis=1) >= 4)
     if not len(some):
         return []
     poses = np.array([found[i][0].camera_from_object for i in some])
     first, matches = firsts(used[some]), np.array([np.maximum(found[i][0].matches, 0) for i in some])
-    weights = np.take_along_axis(used[some] * _precision(index, kb), first, axis=1)
+    weights = np.take_along_axis(used[some] * index.precision(kb.rates), first, axis=1)
     uv = data.uv[np.take_along_axis(matches, first, axis=1)]
     better = refined_poses(poses, index.points[first], uv, weights, data.camera, huber=ROBUST)
     again = []
@@ -191,36 +176,7 @@ def _polished(
     return again
 
 
-def _plausible(pose: NDArray[np.float64], index: TypeIndex) -> bool:
+def _plausible(pose: Floats, index: TypeIndex) -> bool:
     """Finite and wholly in front of the camera."""
     centre = pose[:3, :3] @ index.cells.centre + pose[:3, 3]
     return bool(np.isfinite(pose).all() and centre[2] > 0.5 * index.cells.diameter)
-
-
-def settle(
-    index: TypeIndex,
-    pose: NDArray[np.float64] | Hypothesis,
-    data: Data,
-    kb: KnowledgeBase,
-    free: NDArray[np.bool_] | None = None,
-    hidden: NDArray[np.bool_] | None = None,
-    rounds: int = 2,
-) -> Hypothesis:
-    """The type at a pose, or one that is matched there already: matched exactly (D7, D8), refined, and matched again."""
-    allowed = index.allowed(data)
-
-    def match(pose: NDArray[np.float64]) -> Hypothesis:
-        return matched(
-            pose_of(index.object_type, pose, data, kb), data, allowed, kb.rates.match_tolerance, free, hidden
-        )
-
-    def better(posed: Hypothesis) -> NDArray[np.float64] | None:
-        return polished(posed, index.points, _precision(index, kb), data, hidden, ROBUST, kb.rates.sigma)
-
-    return settled(pose, match, better, rounds)
-
-
-def _precision(index: TypeIndex, kb: KnowledgeBase) -> NDArray[np.float64]:
-    """(F,) weights of the features in least squares: 1/σ², the KB's own σ being 1."""
-    noise = np.array([kb.rates.sigma_of(feature.type) for feature in index.object_type.features])
-    return np.asarray((kb.rates.sigma / noise) ** 2)

@@ -5,43 +5,35 @@
 * ``HandModels``: all types of this kind
 """
 
-from __future__ import annotations
-
+from collections import Counter
+from collections.abc import Callable, Generator, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from math import log
-from typing import TYPE_CHECKING, ClassVar, TypeVar
+from typing import ClassVar, Self, TypeVar
 
 import cv2
 import numpy as np
 
+from geometry.arrays import Floats, Indices, Mask
 from geometry.bodies.resting import RestingFaces, resting_faces
-from plogic.match.gamma.data import project_ideal
+from kb.clouds.cloud import KnowledgeBase, ObjectType, Rates
+from plogic.facts.hypothesis import Hypothesis
+from plogic.match.gamma.data import Data, project_ideal
 from plogic.match.hand.correspondences import MOST_PAIRS, feature_links
-from plogic.match.hand.generate import generate, settle
+from plogic.match.hand.generate import ROBUST, generate
 from plogic.match.hand.triples import PlaneTriples, plane_triples
 from plogic.match.hand.view_cells import ViewCells, view_cells
-from plogic.match.judged.type_models import SURE, Ranks, Search, TypeModels
+from plogic.match.judged.evidence import sigmas_of
+from plogic.match.judged.expectation import matched, polished, pose_of, settled
+from plogic.match.judged.type_models import SURE, Found, Given, Ranks, Request, Search, Setup, TypeModels
 from plogic.measures.distinctiveness import compatible, rank
-
-if TYPE_CHECKING:
-    from collections import Counter
-    from collections.abc import Callable, Generator, Iterable, Mapping, Sequence
-    from typing import Self
-
-    from numpy.typing import NDArray
-
-    from kb.clouds.cloud import KnowledgeBase, ObjectType
-    from plogic.facts.hypothesis import Hypothesis
-    from plogic.match.gamma.data import Data
-    from plogic.match.judged.type_models import Found, Given, Request, Setup
-
 
 SAME = 1e-3
 """Metres, per metre of the cloud's extent, within which a feature is carried onto another."""
 
 
-def permutations(points: NDArray[np.float64], symmetries: NDArray[np.float64]) -> NDArray[np.intp]:
+def permutations(points: Floats, symmetries: Floats) -> Indices:
     """(S, F) where each symmetry (S, 4, 4) carries each feature (F, 3).
 
     A symmetry that carries one onto none is left out.
@@ -49,14 +41,13 @@ def permutations(points: NDArray[np.float64], symmetries: NDArray[np.float64]) -
     extent = float(np.ptp(points, axis=0).max()) if len(points) else 1.0
     rows = []
     for motion in symmetries:
-        moved = points @ motion[:3, :3].T + motion[:3, 3]
-        gap = np.linalg.norm(moved[:, None] - points[None], axis=2)
+        gap = np.linalg.norm((points @ motion[:3, :3].T + motion[:3, 3])[:, None] - points[None], axis=2)
         if (gap.min(axis=1, initial=np.inf) < SAME * extent).all():
             rows.append(gap.argmin(axis=1))
     return np.array(rows, dtype=np.intp).reshape(-1, len(points))
 
 
-def unique_sets(rows: NDArray[np.intp], moves: NDArray[np.intp]) -> NDArray[np.bool_]:
+def unique_sets(rows: Indices, moves: Indices) -> Mask:
     """(N,) one of each family of rows (N, k) of feature indices that the permutations (S, F) carry onto each other: the least."""
     if not len(rows):
         return np.zeros(0, dtype=bool)
@@ -81,13 +72,13 @@ class TypeIndex:
     settled_when_found: ClassVar[bool] = False
     object_type: ObjectType
     cells: ViewCells
-    points: NDArray[np.float64]
-    weights: NDArray[np.float64]
-    anchors: NDArray[np.intp]
-    links: NDArray[np.intp]
+    points: Floats
+    weights: Floats
+    anchors: Indices
+    links: Indices
 
     @property
-    def centre(self) -> NDArray[np.float64]:
+    def centre(self) -> Floats:
         """(3,) m, the middle of the features, object frame."""
         return self.cells.centre
 
@@ -103,18 +94,18 @@ class TypeIndex:
         return found.take(unique_sets(found.features, permutations(self.points, self.object_type.symmetries)))
 
     @cached_property
-    def turns(self) -> NDArray[np.float64]:
+    def turns(self) -> Floats:
         """(F, 3) x axes of the features' frames, object frame: what a datum's angle is on the screen."""
         return np.array([feature.rotation[:, 0] for feature in self.object_type.features]).reshape(-1, 3)
 
     @cached_property
-    def neighbourhoods(self) -> NDArray[np.bool_]:
+    def neighbourhoods(self) -> Mask:
         """(1 + C, F) all features, and what each of some view cells shows, evenly over the sphere."""
         step = max(1, len(self.cells.visible) // CELLS_TRIED)
         return np.concatenate([np.ones((1, len(self.weights)), bool), self.cells.visible[::step]])
 
     @cached_property
-    def in_line(self) -> tuple[NDArray[np.intp], NDArray[np.float64], tuple[str, ...]] | None:
+    def in_line(self) -> tuple[Indices, Floats, tuple[str, ...]] | None:
         """Where each feature has one appearance type: (1 + C, F) the how many-th of its type it is in each neighbourhood, the heaviest the first.
 
         Then (1 + C,) what each neighbourhood weighs, and (F,) the types' names; None where a feature looks like several
@@ -143,7 +134,7 @@ class TypeIndex:
         some = (rank(self.weights[seen], allowed[seen]) for seen in self.neighbourhoods[1:] if seen.any())
         return Ranks(rank(self.weights, allowed), rank(self.weights, usual), max(some, default=0.0))
 
-    def _counted(self, there: Counter[str], neighbourhoods: int | None = None) -> NDArray[np.float64]:
+    def _counted(self, there: Counter[str], neighbourhoods: int | None = None) -> Floats:
         """The rank within each of the first ``neighbourhoods`` where each feature has one appearance type: of a type the heaviest that are there."""
         assert self.in_line is not None  # noqa: S101 - the caller looks
         number, whole, names = self.in_line
@@ -157,15 +148,23 @@ class TypeIndex:
 
     def settle(
         self,
-        pose: NDArray[np.float64] | Hypothesis,
+        pose: Floats | Hypothesis,
         data: Data,
         kb: KnowledgeBase,
-        free: NDArray[np.bool_] | None = None,
-        hidden: NDArray[np.bool_] | None = None,
+        free: Mask | None = None,
+        hidden: Mask | None = None,
         rounds: int = 2,
     ) -> Hypothesis:
-        """The type at a pose, matched and refined on places (``plogic.match.hand.generate``)."""
-        return settle(self, pose, data, kb, free, hidden, rounds)
+        """The type at a pose, or one that is matched there already: matched (D7, D8), refined on places, and matched again."""
+        allowed, rates = self.allowed(data), kb.rates
+        return settled(
+            pose,
+            lambda pose: matched(
+                pose_of(self.object_type, pose, data, kb), data, allowed, rates.match_tolerance, free, hidden
+            ),
+            lambda posed: polished(posed, self.points, self.precision(rates), data, hidden, ROBUST, rates.sigma),
+            rounds,
+        )
 
     def significance(self, posed: Hypothesis) -> float:
         """By places alone the best of so many tries is good by luck: as many as there are pairs of data.
@@ -174,22 +173,18 @@ class TypeIndex:
         """
         return SURE if posed.axes is not None else log(MOST_PAIRS)
 
-    def allowed(self, data: Data) -> NDArray[np.bool_]:
-        """(F, A) the data of a type that the feature has in any of its lobes."""
-        names, which = data.by_look
-        return self._looking(names)[:, which]
+    def precision(self, rates: Rates) -> Floats:
+        """(F,) weights of the features in least squares: 1/σ², the KB's own σ being 1."""
+        return np.asarray((rates.sigma / sigmas_of(self.object_type, rates)) ** 2)
 
-    def _looking(self, names: tuple[str, ...]) -> NDArray[np.bool_]:
-        """(F, N) which features look like what is so named."""
-        nobody = np.zeros(len(self.points), bool)
-        return (
-            np.array([self._features_by_look.get(name, nobody) for name in names], bool)
-            .reshape(len(names), len(nobody))
-            .T
-        )
+    def allowed(self, data: Data) -> Mask:
+        """(F, A) the data of a type that the feature has in any of its lobes."""
+        (names, which), nobody = data.by_look, np.zeros(len(self.points), bool)
+        looking = [self._features_by_look.get(name, nobody) for name in names]
+        return np.array(looking, bool).reshape(len(names), len(nobody)).T[:, which]
 
     @cached_property
-    def _features_by_look(self) -> dict[str, NDArray[np.bool_]]:
+    def _features_by_look(self) -> dict[str, Mask]:
         types = [frozenset(a.type for a in feature.appearances) for feature in self.object_type.features]
         names = sorted(frozenset().union(*types))
         return dict(zip(names, compatible(types, names).T, strict=True))
@@ -210,22 +205,14 @@ def type_index(
     """
     features = object_type.features
     weights = np.array([dv[feature.type] for feature in features])
-    if not weights.any():
-        weights = np.ones(len(features))
+    weights = weights if weights.any() else np.ones(len(features))
     points = np.array([feature.at for feature in features]).reshape(-1, 3)
     links = feature_links(points, [feature.arms for feature in features])
-    moves = permutations(points, object_type.symmetries)
-    return made(
-        object_type,
-        cells or view_cells(object_type),
-        points,
-        weights,
-        _anchors(weights),
-        links[unique_sets(links, moves)],
-    )
+    links = links[unique_sets(links, permutations(points, object_type.symmetries))]
+    return made(object_type, cells or view_cells(object_type), points, weights, _anchors(weights), links)
 
 
-def _anchors(weights: NDArray[np.float64]) -> NDArray[np.intp]:
+def _anchors(weights: Floats) -> Indices:
     """The features at least half as distinctive as the best, or the ``ANCHORS`` most distinctive where those are fewer than four."""
     order = np.argsort(-weights, kind="stable")[:ANCHORS]
     top = order[weights[order] >= 0.5 * weights.max()]
@@ -265,7 +252,7 @@ class HandSearch(Search):
             yield found
 
 
-def covered_by(posed: Iterable[Hypothesis], data: Data) -> NDArray[np.bool_]:
+def covered_by(posed: Iterable[Hypothesis], data: Data) -> Mask:
     """(H, W) where the opaque ones of some objects stand in the ideal image: what is there may well be hidden."""
     mask = np.zeros((data.camera.height, data.camera.width), dtype=np.uint8)
     for some in posed:

@@ -6,24 +6,16 @@ from the plane to the image, the greater eigenvalue of AᵀA is the squared scal
 tell the slant (Huttenlocher and Ullman 1990).
 """
 
-from __future__ import annotations
-
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from itertools import combinations
-from typing import TYPE_CHECKING
 
 import numpy as np
 
+from geometry.arrays import Floats, Indices
+from kb.clouds.lobes import Feature
 from plogic.base.clock import unhurried
-from plogic.match.gamma.data import blocks, centre_of
-
-if TYPE_CHECKING:
-    from collections.abc import Callable, Sequence
-
-    from numpy.typing import NDArray
-
-    from kb.clouds.lobes import Feature
-    from plogic.match.gamma.data import Data
+from plogic.match.gamma.data import Columns, Data, blocks, centre_of
 
 NEIGHBOURS = 8
 """Nearest features, or data, among which the other two of a triple are sought."""
@@ -39,7 +31,7 @@ compact."""
 
 
 @dataclass(frozen=True)
-class PlaneTriples:
+class PlaneTriples(Columns):
     """M triples of features, counter-clockwise seen from outside: ``features`` (M, 3).
 
     ``axes`` (M, 3, 3) rows x, y, outward normal of the
@@ -47,13 +39,9 @@ class PlaneTriples:
     metres.
     """
 
-    features: NDArray[np.intp]
-    axes: NDArray[np.float64]
-    sides: NDArray[np.float64]
-
-    def take(self, keep: NDArray[np.bool_]) -> PlaneTriples:
-        """Those for which ``keep`` (M,) holds."""
-        return PlaneTriples(self.features[keep], self.axes[keep], self.sides[keep])
+    features: Indices
+    axes: Floats
+    sides: Floats
 
 
 def plane_triples(features: Sequence[Feature]) -> PlaneTriples:
@@ -77,13 +65,13 @@ def plane_triples(features: Sequence[Feature]) -> PlaneTriples:
     return PlaneTriples(triples.astype(np.intp), axes, sides)
 
 
-def _gap(at: NDArray[np.float64], f: int, g: int) -> float:
+def _gap(at: Floats, f: int, g: int) -> float:
     return float(np.linalg.norm(at[g] - at[f]))
 
 
 def _right_angled(
-    at: NDArray[np.float64], normal: NDArray[np.float64], f: int, g: int, h: int
-) -> list[tuple[tuple[int, int, int], NDArray[np.float64], NDArray[np.float64]]]:
+    at: Floats, normal: Floats, f: int, g: int, h: int
+) -> list[tuple[tuple[int, int, int], Floats, Floats]]:
     """The triple (f, g, h), counter-clockwise about the normal, where its angle at f is wide and no side is over twice the other."""
     u, v = at[g] - at[f], at[h] - at[f]
     a, b = np.linalg.norm(u), np.linalg.norm(v)
@@ -93,8 +81,7 @@ def _right_angled(
         g, h, u, v = h, g, v, u
     x = u / np.linalg.norm(u)
     axes = np.stack([x, np.cross(normal, x), normal])
-    sides = np.stack([axes[:2] @ u, axes[:2] @ v], axis=1)
-    return [((f, g, h), axes, sides)]
+    return [((f, g, h), axes, np.stack([axes[:2] @ u, axes[:2] @ v], axis=1))]
 
 
 @dataclass(frozen=True)
@@ -106,12 +93,12 @@ class ImageTriples:
     (y down).
     """
 
-    data: NDArray[np.intp]
-    frame: NDArray[np.float64]
-    sides: NDArray[np.float64]
+    data: Indices
+    frame: Floats
+    sides: Floats
 
 
-def image_triples(data: Data, members: NDArray[np.intp], check: Callable[[], None] = unhurried) -> ImageTriples:
+def image_triples(data: Data, members: Indices, check: Callable[[], None] = unhurried) -> ImageTriples:
     """Triples of neighbouring ``members`` (indices into Γ), the likeliest corners of a regular pattern first.
 
     ``check`` is called between blocks of them, and may raise to end it.
@@ -122,9 +109,7 @@ def image_triples(data: Data, members: NDArray[np.intp], check: Callable[[], Non
     return ImageTriples(chosen, *_tangents(data, chosen))
 
 
-def _neighbouring(
-    places: NDArray[np.float64], check: Callable[[], None]
-) -> tuple[NDArray[np.intp], NDArray[np.float64]]:
+def _neighbouring(places: Floats, check: Callable[[], None]) -> tuple[Indices, Floats]:
     """Triples (N, 3) of places (M, 2) and their scores (N, 2): 0 where a fourth completes a parallelogram, else 1.
 
     Then the area's scale.
@@ -152,7 +137,7 @@ def _neighbouring(
     return rows, np.stack([away.astype(float), size], axis=1)
 
 
-def _nearest(places: NDArray[np.float64], check: Callable[[], None]) -> NDArray[np.intp]:
+def _nearest(places: Floats, check: Callable[[], None]) -> Indices:
     """(M, up to ``NEIGHBOURS``) the nearest others of each of the places (M, 2)."""
     near = np.zeros((len(places), max(0, min(NEIGHBOURS, len(places) - 1))), np.intp)
     for some in blocks(len(places), len(places)):
@@ -162,9 +147,7 @@ def _nearest(places: NDArray[np.float64], check: Callable[[], None]) -> NDArray[
     return near
 
 
-def _fourth(
-    places: NDArray[np.float64], first: NDArray[np.intp], corner: NDArray[np.float64], check: Callable[[], None]
-) -> NDArray[np.float64]:
+def _fourth(places: Floats, first: Indices, corner: Floats, check: Callable[[], None]) -> Floats:
     """(N,) how near a place comes to that which is ``corner`` (N, 2) away from the ``first`` (N,)."""
     gap = np.full(len(first), np.inf)
     for some in blocks(len(first), len(places)):
@@ -174,7 +157,7 @@ def _fourth(
     return gap
 
 
-def _tangents(data: Data, rows: NDArray[np.intp]) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+def _tangents(data: Data, rows: Indices) -> tuple[Floats, Floats]:
     """Frames and sides of image triples (N, 3), see ``ImageTriples``."""
     rays = np.concatenate(
         [(data.ideal[rows] - centre_of(data.camera)) / data.camera.f, np.ones((*rows.shape, 1))], axis=2
@@ -185,7 +168,7 @@ def _tangents(data: Data, rows: NDArray[np.intp]) -> tuple[NDArray[np.float64], 
     return frame, np.swapaxes(local[..., :2] / local[..., 2:], 1, 2)
 
 
-def turn_z_to(ray: NDArray[np.float64]) -> NDArray[np.float64]:
+def turn_z_to(ray: Floats) -> Floats:
     """(N, 3, 3) smallest rotations that take the optical axis to unit rays (N, 3) in front of the camera."""
     x, y, z = ray.T
     k = 1.0 / (1.0 + z)
@@ -194,8 +177,8 @@ def turn_z_to(ray: NDArray[np.float64]) -> NDArray[np.float64]:
 
 
 def triple_poses(
-    plane: PlaneTriples, image: ImageTriples, points: NDArray[np.float64], scales: tuple[float, float], focal: float
-) -> NDArray[np.float64]:
+    plane: PlaneTriples, image: ImageTriples, points: Floats, scales: tuple[float, float], focal: float
+) -> Floats:
     """(P, 4, 4) camera_from_object: both reflections of every triple of the cloud on every triple of Γ that is no steeper than ``FLATTEST``.
 
     ``points`` (F, 3) m; ``scales`` the range of pixels a metre; ``focal`` pixels.
@@ -225,9 +208,8 @@ def triple_poses(
     return poses
 
 
-def _slants(scale: NDArray[np.float64], gram: NDArray[np.float64]) -> NDArray[np.float64]:
+def _slants(scale: Floats, gram: Floats) -> Floats:
     """(N, 2) third row of the rotation's first two columns, up to sign: from AᵀA = s² (1 − r rᵀ)."""
     rest = np.eye(2)[None] - gram / (scale**2)[:, None, None]
     size = np.sqrt(np.maximum(rest[:, [0, 1], [0, 1]], 0.0))
-    sign = np.where(rest[:, 0, 1] < 0.0, -1.0, 1.0)
-    return np.stack([size[:, 0], sign * size[:, 1]], axis=1)
+    return np.stack([size[:, 0], np.where(rest[:, 0, 1] < 0.0, -1.0, 1.0) * size[:, 1]], axis=1)

@@ -1,22 +1,37 @@
-"""View cells: what one type looks like from each of a set of directions, computed once a type.
+"""View cells, what one type looks like from each of a set of directions, and votes on poses that start from them.
 
-A cell is a viewpoint direction in the object's frame. Features that are visible in one cell have lobes that contain one
-common viewpoint, so that sets taken inside a cell are co-visible by construction (*convergence*, §6.3).
+A cell is a viewpoint direction in the object's frame, computed once a type. Features that are visible in one cell have
+lobes that contain one common viewpoint, so that sets taken inside a cell are co-visible by construction (*convergence*,
+§6.3). A vote says how many distinctive features of a coarse pose find an appearance of a right type near their place.
+Typed distance maps answer that for all pairs at once: one map for each set of appearance types that some feature has.
+
+* ``view_cells(object_type)``: the cells of a type
+* ``votes``: for pairs in view cells
+* ``pose_votes``: for whole poses, in true perspective; ``best_apart``: the best of them that are not alike
 """
 
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from functools import cached_property
+from typing import TYPE_CHECKING, Any
 
+import cv2
 import numpy as np
 
 from kb.clouds.lobes import feature_in_lobe
+from plogic.base.clock import unhurried
+from plogic.match.gamma.data import Data, project_ideal, viewpoints_of
 
 if TYPE_CHECKING:
+    from collections.abc import Callable
+
     from numpy.typing import NDArray
 
+    from geometry.arrays import Floats, Indices, Mask
     from kb.clouds.cloud import ObjectType
+    from plogic.match.hand.correspondences import Pairs
+
 
 CELLS = 162
 """Directions on the sphere: neighbours are about 15° apart, so that a true viewpoint is mostly within 9° of a cell
@@ -37,20 +52,20 @@ class ViewCells:
     F, K) screen angles of the visible edges at a feature, radians, NaN where there is none.
     """
 
-    directions: NDArray[np.float64]
-    cell_from_object: NDArray[np.float64]
-    xy: NDArray[np.float64]
-    visible: NDArray[np.bool_]
-    arms: NDArray[np.float64]
-    centre: NDArray[np.float64]
+    directions: Floats
+    cell_from_object: Floats
+    xy: Floats
+    visible: Mask
+    arms: Floats
+    centre: Floats
     diameter: float
 
-    def nearest(self, directions: NDArray[np.float64]) -> NDArray[np.intp]:
+    def nearest(self, directions: Floats) -> Indices:
         """Index of the nearest cell to each unit direction (N, 3) in the object's frame, shape (N,)."""
         return np.asarray(np.argmax(directions.astype(np.float32) @ self.directions.T.astype(np.float32), axis=1))
 
 
-def fibonacci_sphere(number: int) -> NDArray[np.float64]:
+def fibonacci_sphere(number: int) -> Floats:
     """``number`` near-uniform unit directions (number, 3), the same for the same number."""
     index = np.arange(number) + 0.5
     z = 1.0 - 2.0 * index / number
@@ -59,7 +74,7 @@ def fibonacci_sphere(number: int) -> NDArray[np.float64]:
     return np.stack([radius * np.cos(azimuth), radius * np.sin(azimuth), z], axis=1)
 
 
-def looking_back(directions: NDArray[np.float64]) -> NDArray[np.float64]:
+def looking_back(directions: Floats) -> Floats:
     """Rotations (C, 3, 3) from the object's frame to cameras at ``directions`` that look at the centre, object's z up on the screen."""
     forward = -directions
     up = np.where(np.abs(directions[:, 2:3]) > 0.999, [[0.0, 1.0, 0.0]], [[0.0, 0.0, 1.0]])
@@ -76,10 +91,10 @@ def view_cells(object_type: ObjectType, number: int = CELLS) -> ViewCells:
     rotations = looking_back(directions)
     viewpoints = centre + DISTANCE * diameter * directions
     along, owner, slot = _along_arms(object_type, diameter)
-    points = np.concatenate([positions, along])
-    xy = _project(rotations, viewpoints, points)
+    points, count = np.concatenate([positions, along]), len(positions)
+    local = np.einsum("cij,cnj->cni", rotations, points[None] - viewpoints[:, None])
+    xy = local[..., :2] / local[..., 2:]
     hidden = _behind_itself(object_type, viewpoints, points, diameter)
-    count = len(positions)
     step = xy[:, count:] - xy[:, owner]
     arms = np.full((number, count, int(slot.max(initial=-1)) + 1), np.nan)
     arms[:, owner, slot] = np.where(hidden[:, count:], np.nan, np.arctan2(step[..., 1], step[..., 0]))
@@ -87,28 +102,24 @@ def view_cells(object_type: ObjectType, number: int = CELLS) -> ViewCells:
     return ViewCells(directions, rotations, xy[:, :count] * (DISTANCE * diameter), visible, arms, centre, diameter)
 
 
-def _along_arms(
-    object_type: ObjectType, diameter: float
-) -> tuple[NDArray[np.float64], NDArray[np.intp], NDArray[np.intp]]:
+def _along_arms(object_type: ObjectType, diameter: float) -> tuple[Floats, Indices, Indices]:
     """A point (N, 3) a little way along each edge, its feature (N,) and the edge's number there (N,)."""
     rows = [
         (feature.at + 0.05 * diameter * arm, f, k)
         for f, feature in enumerate(object_type.features)
         for k, arm in enumerate(feature.arms)
     ]
-    points = np.array([row[0] for row in rows]).reshape(-1, 3)
-    return points, np.array([row[1] for row in rows], dtype=np.intp), np.array([row[2] for row in rows], dtype=np.intp)
+    owner, slot = (np.array([row[i] for row in rows], np.intp) for i in (1, 2))
+    return np.array([row[0] for row in rows]).reshape(-1, 3), owner, slot
 
 
-def remade(
-    object_type: ObjectType, xy: NDArray[np.float64], visible: NDArray[np.bool_], arms: NDArray[np.float64]
-) -> ViewCells:
+def remade(object_type: ObjectType, xy: Floats, visible: Mask, arms: Floats) -> ViewCells:
     """The cells of a type of which what takes time is known."""
     directions = fibonacci_sphere(len(xy))
     return ViewCells(directions, looking_back(directions), xy, visible, arms, *_bounds(object_type))
 
 
-def _bounds(object_type: ObjectType) -> tuple[NDArray[np.float64], float]:
+def _bounds(object_type: ObjectType) -> tuple[Floats, float]:
     """Middle (3,) and diagonal of the box round a type's surface, or round its features where it has none."""
     surface = object_type.surface
     points = np.array([feature.at for feature in object_type.features]) if surface is None else surface.vertices
@@ -116,16 +127,7 @@ def _bounds(object_type: ObjectType) -> tuple[NDArray[np.float64], float]:
     return (low + high) / 2.0, float(np.linalg.norm(high - low)) or 1.0
 
 
-def _project(
-    rotations: NDArray[np.float64], viewpoints: NDArray[np.float64], points: NDArray[np.float64]
-) -> NDArray[np.float64]:
-    local = np.einsum("cij,cnj->cni", rotations, points[None] - viewpoints[:, None])
-    return np.asarray(local[..., :2] / local[..., 2:])
-
-
-def _behind_itself(
-    object_type: ObjectType, viewpoints: NDArray[np.float64], points: NDArray[np.float64], diameter: float
-) -> NDArray[np.bool_]:
+def _behind_itself(object_type: ObjectType, viewpoints: Floats, points: Floats, diameter: float) -> Mask:
     """(C, N) whether each point is Behind the type's own surface from each viewpoint (§3.4).
 
     Nothing is where there is no opaque surface.
@@ -138,3 +140,192 @@ def _behind_itself(
         for some in np.split(viewpoints, range(several, len(viewpoints), several))
     ]
     return np.concatenate(hidden).reshape(len(viewpoints), len(points))
+
+
+ALL = slice(None)
+LOOSE = 0.10
+"""Tolerance of a vote, in projected diameters: what a cell's width and the missing perspective may move a feature."""
+
+
+@dataclass(frozen=True)
+class DistanceMaps:
+    """For each map, the distance in pixels to the nearest datum (H, W) and that datum's index (H, W).
+
+    ``of_feature`` (F,) picks the map.
+
+    ``covered`` (H, W): where an accepted opaque object stands, so that a feature there may well be hidden.
+    """
+
+    distance: NDArray[np.float32]
+    nearest: NDArray[np.int32]
+    of_feature: Indices
+    covered: Mask
+
+    def look_up(self, places: NDArray[Any]) -> tuple[NDArray[Any], Indices]:
+        """Distance (..., F) and nearest datum (..., F) of ``places`` (..., F, 2) in ideal pixels.
+
+        Outside the image, infinity and −1.
+        """
+        pixel, inside = _pixel(places, self.covered.shape)
+        index = pixel + self.of_feature * self.covered.size  # all maps are one after the other
+        return np.where(inside, self.distance.ravel()[index], np.inf), np.where(inside, self.nearest.ravel()[index], -1)
+
+    def seen_at(self, places: NDArray[Any], features: Indices | slice = ALL) -> tuple[NDArray[Any], Mask]:
+        """The distances alone, of some features, and whether an accepted object stands at their places."""
+        pixel, inside = _pixel(places, self.covered.shape)
+        index = pixel + self.of_feature[features] * self.covered.size
+        distance = np.where(inside, self.distance.ravel()[index], np.float32(np.inf))
+        return distance, np.asarray(inside & self.covered.ravel()[pixel]) if self.anything else np.zeros_like(inside)
+
+    def is_covered(self, places: NDArray[Any]) -> Mask:
+        """Whether an accepted object stands at each place (..., 2) of the image, so that a feature may not be seen there."""
+        return covered_at(self.covered, places) if self.anything else np.zeros(places.shape[:-1], bool)
+
+    @cached_property
+    def anything(self) -> bool:
+        """Whether any place is covered."""
+        return bool(self.covered.any())
+
+
+def covered_at(covered: Mask, places: NDArray[Any]) -> Mask:
+    """Whether a mask (H, W) of the ideal image holds at places (..., 2)."""
+    index, inside = _pixel(places, covered.shape)
+    return np.asarray(inside & covered.ravel()[index])
+
+
+def _pixel(places: NDArray[Any], shape: tuple[int, ...]) -> tuple[Indices, Mask]:
+    """Flat index of the pixel of each place (0 outside), and whether it is inside an image of ``shape`` (H, W)."""
+    height, width = shape
+    column, row = np.rint(places[..., 0]), np.rint(places[..., 1])
+    inside = (column >= 0) & (row >= 0) & (column < width) & (row < height)
+    return np.where(inside, row * width + column, 0).astype(np.intp), inside
+
+
+def distance_maps(
+    allowed: Mask,
+    data: Data,
+    covered: Mask | None = None,
+    check: Callable[[], None] = unhurried,
+) -> DistanceMaps:
+    """One map for each distinct row of ``allowed`` (F, A). A row without a datum gives a map of infinities.
+
+    ``check`` is called before each, and may raise to end it.
+    """
+    rows, of_feature = np.unique(allowed, axis=0, return_inverse=True)
+    shape = (data.camera.height, data.camera.width)
+    made = []
+    for row in rows:
+        check()
+        made.append(_one_map(np.flatnonzero(row), data.ideal, shape))
+    nothing = np.zeros(shape, dtype=bool) if covered is None else covered
+    return DistanceMaps(np.stack([m[0] for m in made]), np.stack([m[1] for m in made]), of_feature.reshape(-1), nothing)
+
+
+def _one_map(members: Indices, places: Floats, shape: tuple[int, int]) -> tuple[NDArray[np.float32], NDArray[np.int32]]:
+    pixels = np.rint(places[members])
+    inside = (
+        (pixels >= 0).all(axis=1) & (pixels[:, 0] < shape[1]) & (pixels[:, 1] < shape[0])
+    )  # of what the lens images nowhere, False
+    members, pixels = members[inside], pixels[inside].astype(int)
+    if not len(members):
+        return np.full(shape, np.inf, dtype=np.float32), np.full(shape, -1, dtype=np.int32)
+    free = np.full(shape, 255, dtype=np.uint8)
+    free[pixels[:, 1], pixels[:, 0]] = 0
+    distance, label = cv2.distanceTransformWithLabels(free, cv2.DIST_L2, 5, labelType=cv2.DIST_LABEL_PIXEL)
+    owner = np.full(int(label.max()) + 1, -1, dtype=np.int32)
+    owner[label[pixels[:, 1], pixels[:, 0]]] = members
+    return np.asarray(distance), owner[label]
+
+
+def places_of(pairs: Pairs, cells: ViewCells, data: Data, features: Indices | slice = ALL) -> NDArray[np.float32]:
+    """(N, F, 2) ideal pixels where each coarse pose puts each of ``features``: the cell's picture, turned, scaled and laid on the first datum."""
+    at = cells.xy[pairs.cell, pairs.feature].astype(np.float32)[:, None]
+    model = cells.xy.astype(np.float32)[:, features][pairs.cell] - at
+    cos = (pairs.scale * np.cos(pairs.roll)).astype(np.float32)[:, None]
+    sin = (pairs.scale * np.sin(pairs.roll)).astype(np.float32)[:, None]
+    places = np.empty_like(model)
+    places[..., 0] = cos * model[..., 0] - sin * model[..., 1]
+    places[..., 1] = sin * model[..., 0] + cos * model[..., 1]
+    places += data.ideal[pairs.datum].astype(np.float32)[:, None]
+    return places
+
+
+def votes(
+    pairs: Pairs,
+    cells: ViewCells,
+    maps: DistanceMaps,
+    weights: Floats,
+    data: Data,
+    features: Indices | slice = ALL,
+) -> Floats:
+    """(N,) Σ weight of the visible ones of ``features``, each by how near its nearest datum is, in units of their whole weight."""
+    value = (cells.visible * weights).astype(np.float32)[:, features]
+    distance = maps.seen_at(places_of(pairs, cells, data, features), features)[0].astype(np.float32)
+    near = np.maximum(0.0, 1.0 - distance / (LOOSE * cells.diameter * pairs.scale).astype(np.float32)[:, None])
+    whole = np.maximum(value.sum(axis=1), 1e-12)
+    return np.asarray((value[pairs.cell] * near).sum(axis=1) / whole[pairs.cell], dtype=float)
+
+
+SHARP = 4.0
+LEAST_OPEN = 0.3
+"""Share of the visible features' weight that votes are taken relative to at least, however much is covered."""
+ALIKE = np.radians(12.0)
+"""Two coarse poses are alike where they differ by less than this, by 8 % of the size in place, and by 15 % in size."""
+
+
+def seen_cells(poses: Floats, cells: ViewCells) -> Indices:
+    """(N,) the cell nearest to the camera's direction under each pose (N, 4, 4)."""
+    directions = viewpoints_of(poses) - cells.centre
+    return cells.nearest(directions / np.maximum(np.linalg.norm(directions, axis=1, keepdims=True), 1e-9))
+
+
+def sizes(poses: Floats, cells: ViewCells, focal: float) -> Floats:
+    """(N,) projected diameter, pixels."""
+    depth = poses[:, 2, :3] @ cells.centre + poses[:, 2, 3]
+    return np.asarray(cells.diameter * focal / np.maximum(depth, 1e-6))
+
+
+def pose_votes(
+    poses: Floats,
+    cells: ViewCells,
+    points: Floats,
+    weights: Floats,
+    maps: DistanceMaps,
+    data: Data,
+    features: Indices | slice = ALL,
+) -> Floats:
+    """(N,) Σ weight of the visible ones of ``features``, each by how near its nearest datum is.
+
+    In units of their whole weight, outside the image too.
+
+    Half of a vote is for coming near, half for coming ``SHARP`` times nearer; covered features have no vote.
+    """
+    value = (cells.visible * weights).astype(np.float32)[:, features][seen_cells(poses, cells)]
+    places = project_ideal(poses, points[features], data)
+    most = value.sum(axis=1)
+    distance, covered = maps.seen_at(places, features)
+    value = value * ~covered
+    share = distance / (LOOSE * sizes(poses, cells, data.camera.f)).astype(np.float32)[:, None]
+    near = 0.5 * np.maximum(0.0, 1.0 - share) + 0.5 * np.maximum(0.0, 1.0 - SHARP * share)
+    whole = np.maximum(np.maximum(value.sum(axis=1), LEAST_OPEN * most), 1e-12)
+    return np.asarray((value * near).sum(axis=1) / whole)
+
+
+def best_apart(worth: Floats, poses: Floats, cells: ViewCells, data: Data, most: int) -> Indices:
+    """Indices of at most ``most`` poses, best first, no two alike."""
+    order = np.argsort(-worth, kind="stable")[: 15 * most]
+    some = poses[order]
+    centre = project_ideal(some, cells.centre[None], data)[:, 0]
+    size = np.log(sizes(some, cells, data.camera.f))
+    rotation = some[:, :3, :3].reshape(len(some), 9)
+    alive, kept = np.ones(len(order), dtype=bool), []
+    for i in range(len(order)):
+        if alive[i]:
+            kept.append(order[i])
+            if len(kept) >= most:
+                break
+            near = np.abs(size - size[i]) < 0.15
+            near &= rotation @ rotation[i] > 1.0 + 2.0 * np.cos(ALIKE)
+            near &= ((centre - centre[i]) ** 2).sum(axis=1) < (0.08 * np.exp(size[i])) ** 2
+            alive &= ~near
+    return np.array(kept, dtype=np.intp)

@@ -1,50 +1,135 @@
 """The evidence for one hypothesis against clutter (§8, posterior, one claimant): the logarithm of a likelihood ratio.
 
+Of all poses a few fit any matches, so that a fit to them is no evidence by itself. The evidence of presence is that of
+all poses, not of the best (the marginal likelihood, by Laplace's method): the likelihood at the best pose, times the
+share of all poses that fit about as well.
+
 ``as_fitted`` is what the program is told of a pose that was fitted to its matches: they say less than of a pose that
 was known before. The posterior of an object's presence sums over all poses that it may have; a hypothesis stands for
-those about its own. So its prior is the type's times the share of all poses that fit about as well
-(``plogic.match.judged.pose_information``), often below what ProbLog can read as a label. It is told with the matches
-instead, of which each gives up in proportion. The log odds of a lone hypothesis are then its type's prior, plus its
-evidence, plus the share.
+those about its own. So its prior is the type's times that share, often below what ProbLog can read as a label. It is
+told with the matches instead, of which each gives up in proportion. The log odds of a lone hypothesis are then its
+type's prior, plus its evidence, plus the share.
+
+* ``known(posed, which, data, kb)``: the places that matches fix, how sharply, and the lines that their angles lead
+  along
+* ``log_share(at, precision, centre, camera, across)``: the logarithm of the share, at most 0; ``share_of(information,
+  ...)``, of what is known
 """
 
-from __future__ import annotations
-
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from typing import NamedTuple
 
 import numpy as np
 
+from geometry.arrays import Floats, Indices, Mask
+from geometry.camera import Camera
+from geometry.poses.reprojection import WEIGHT, across, ends, information, reach
+from geometry.visibility.outline import outline
+from kb.clouds.cloud import KnowledgeBase, ObjectType, Rates
 from plogic.base.bounds import LEAST
-from plogic.match.judged.pose_information import known, log_share, sigmas
+from plogic.base.clock import unhurried
+from plogic.facts.hypothesis import Hypothesis
+from plogic.match.gamma.data import Data
+from plogic.match.judged.expectation import FEWEST
+from plogic.match.judged.rivals import distinct
+from plogic.match.judged.type_models import Found, TypeModel
 from plogic.measures.explanatory import explanatory_value
 
-if TYPE_CHECKING:
-    from collections.abc import Mapping
-
-    from numpy.typing import NDArray
-
-    from kb.clouds.cloud import KnowledgeBase
-    from plogic.facts.hypothesis import Hypothesis
-    from plogic.match.gamma.data import Data
-
-    Floats = NDArray[np.float64]
+DEPTHS = 4.2
+"""Logarithm of the ratio of the farthest to the nearest distance that is believed."""
+LOOSE = (0.3, 0.35)
+"""Even one appearance fixes the distance (its size) and the rotation (its angle and its lobe) so well: logarithm,
+radians."""
 
 
-def density(residual: NDArray[np.float64], sigma: NDArray[np.float64] | float) -> NDArray[np.float64]:
+def log_share(at: Floats, precision: Floats, centre: Floats, camera: Camera, across: Floats | None = None) -> float:
+    """The share of all poses, even in the image, in the logarithm of depth and in rotation, that fit matched places as well as theirs.
+
+    ``at`` (N, 3) metres, camera frame; ``precision`` (N,) 1/pixel²; ``centre`` (3,) of the object, before the camera;
+    ``across`` (N, 2) unit vectors across the edges that sides lie anywhere along, NaN of others.
+    """
+    return float(share_of(information(at, centre, precision, camera, across), centre[2], camera))
+
+
+def share_of(information: Floats, depth: Floats | float, camera: Camera) -> Floats:
+    """The logarithm of that share, (...,): of what is known (..., 6, 6) of a step (w rad, v m) in the camera's axes.
+
+    The step is about a middle at ``depth`` (...,) metres.
+    """
+    far = np.asarray(depth, float)[..., None]
+    scale = np.concatenate(
+        [np.ones((*far.shape[:-1], 3)), np.repeat(far, 3, axis=-1)], axis=-1
+    )  # moves are counted in depths
+    loose = np.array([*[LOOSE[1]] * 3, camera.width / camera.f, camera.height / camera.f, LOOSE[0]])
+    sharp = information * scale[..., :, None] * scale[..., None, :] + np.diag(loose**-2.0)
+    volume = 3.0 * np.log(2.0 * np.pi) - 0.5 * np.linalg.slogdet(sharp)[1]
+    return np.asarray(volume - np.log(camera.width * camera.height / camera.f**2 * DEPTHS * 8.0 * np.pi**2))
+
+
+class Known(NamedTuple):
+    """``at`` (N, 3) m, camera frame; ``precision`` (N,) 1/pixel²; ``middle`` (3,) m of the object, camera frame.
+
+    ``across`` (N, 2) unit vectors across the lines that a place may lie anywhere along, NaN of others; None where there
+    are no lines.
+    """
+
+    at: Floats
+    precision: Floats
+    middle: Floats
+    across: Floats | None
+
+
+def known(posed: Hypothesis, which: Mask, data: Data, kb: KnowledgeBase) -> Known:
+    """Of features ``which`` (F,), all matched: their places, as much as they are counted.
+
+    And their angles, where these count.
+    """
+    at, sigma = posed.at[which], sigmas(posed, kb)[which]
+    precision, lines = posed.counted[which] / sigma**2, None if posed.across is None else posed.across[which]
+    if posed.axes is not None and kb.rates.sigma_angle is not None:
+        angle = data.angle[posed.matches[which]]
+        told = np.isfinite(angle)
+        beyond = ends(at, posed.axes[which], at[:, 2], reach(sigma, kb.rates.sigma_angle) / data.camera.f)[told]
+        lines = np.concatenate([np.full((len(at), 2), np.nan), across(angle[told])])
+        at, precision = np.concatenate([at, beyond]), np.concatenate([precision, precision[told] * WEIGHT])
+    return Known(at, precision, posed.middle, lines)
+
+
+def sigmas(posed: Hypothesis, kb: KnowledgeBase) -> Floats:
+    """Location noise (F,) of each feature, pixels."""
+    return sigmas_of(posed.object_type, kb.rates) if posed.sigma is None else posed.sigma
+
+
+def sigmas_of(kind: ObjectType, rates: Rates) -> Floats:
+    """Location noise (F,) of the features of a type by hand, pixels, as the KB states it."""
+    return np.array([rates.sigma_of(feature.type) for feature in kind.features])
+
+
+def pose_information(posed: Hypothesis, camera: Camera, kb: KnowledgeBase) -> Floats:
+    """(6, 6) of turning about the middle, rad, and moving, m: of the matches, and of what is known of any pose (``known``)."""
+    used = np.flatnonzero(posed.candidate & posed.detected)
+    precision = posed.counted[used] / sigmas(posed, kb)[used] ** 2
+    across = None if posed.across is None else posed.across[used]
+    depth = max(float(posed.middle[2]), 1e-6)
+    wide, high = camera.width / camera.f * depth, camera.height / camera.f * depth
+    loose = np.array([*[LOOSE[1]] * 3, wide, high, LOOSE[0] * depth])
+    return information(posed.at[used], posed.middle, precision, camera, across) + np.diag(loose**-2.0)
+
+
+def density(residual: Floats, sigma: Floats | float) -> Floats:
     """N(u; û, σ²I) per pixel² at distances ``residual`` in pixels; 0 where NaN."""
-    value = np.exp(-0.5 * (residual / sigma) ** 2) / (2.0 * np.pi * sigma**2)
-    return np.asarray(np.nan_to_num(value, nan=0.0))
+    return np.nan_to_num(np.exp(-0.5 * (residual / sigma) ** 2) / (2.0 * np.pi * sigma**2), nan=0.0)
 
 
-def clutter_density(kb: KnowledgeBase, data: Data, which: NDArray[np.intp] | None = None) -> NDArray[np.float64]:
+def clutter_density(kb: KnowledgeBase, data: Data, which: Indices | None = None) -> Floats:
     """F (N,) per pixel² of some data, or of all: the expected number of clutter appearances of its type over the image's area."""
     area = float(data.camera.width * data.camera.height)
     types = data.types if which is None else [data.types[i] for i in which]
     return np.array([kb.rates.clutter.get(name, 1.0) / area for name in types])
 
 
-def match_density(posed: Hypothesis, kb: KnowledgeBase) -> NDArray[np.float64]:
+def match_density(posed: Hypothesis, kb: KnowledgeBase) -> Floats:
     """N (F,) per pixel² of each feature's match, 0 where it has none.
 
     Of a learned type against clutter that looks as right, not any.
@@ -53,13 +138,13 @@ def match_density(posed: Hypothesis, kb: KnowledgeBase) -> NDArray[np.float64]:
     return near if posed.likeness is None else near * posed.likeness
 
 
-def hit_rates(posed: Hypothesis, kb: KnowledgeBase, hidden: NDArray[np.bool_] | None = None) -> NDArray[np.float64]:
+def hit_rates(posed: Hypothesis, kb: KnowledgeBase, hidden: Mask | None = None) -> Floats:
     """h_F (F,) of each feature.
 
     Of a learned type the measured rates, times the share of them that holds in this image (``clarity``).
     """
     if posed.hit is not None:
-        return np.asarray(np.clip(posed.hit * clarities(posed, hidden), LEAST_HIT, MOST_HIT))
+        return np.clip(posed.hit * clarities(posed, hidden), LEAST_HIT, MOST_HIT)
     return np.array([kb.rates.hit.get(feature.type, 0.8) for feature in posed.object_type.features])
 
 
@@ -70,7 +155,7 @@ LEAST_CLEAR, LEAST_HIT, MOST_HIT = 0.04, 0.005, 0.98
 """Least share of the measured hit rates that an image can keep; bounds of what remains."""
 
 
-def clarity(posed: Hypothesis, hidden: NDArray[np.bool_] | None = None, of: NDArray[np.bool_] | None = None) -> float:
+def clarity(posed: Hypothesis, hidden: Mask | None = None, of: Mask | None = None) -> float:
     """Which share of the measured hit rates, of features ``of`` (F,) or of all, holds of this instance in this image.
 
     Light, focus, noise and a changed print cost detections.
@@ -83,20 +168,18 @@ def clarity(posed: Hypothesis, hidden: NDArray[np.bool_] | None = None, of: NDAr
     return float(np.clip(shares[expected & posed.detected].sum() / hoped, LEAST_CLEAR, 1.0)) if hoped > 0.0 else 1.0
 
 
-def kinds(posed: Hypothesis) -> list[NDArray[np.bool_]]:
+def kinds(posed: Hypothesis) -> list[Mask]:
     """Features (F,) that are seen clearly or not apart from the others: what is printed, and the sides of edges, which blur hurts less."""
     sided = np.zeros(len(posed.uv), bool) if posed.sided is None else posed.sided
     return [~sided, sided]
 
 
-def clarities(posed: Hypothesis, hidden: NDArray[np.bool_] | None = None) -> NDArray[np.float64]:
+def clarities(posed: Hypothesis, hidden: Mask | None = None) -> Floats:
     """(F,) the clarity of each feature's kind."""
     return np.asarray(np.sum([kind * clarity(posed, hidden, kind) for kind in kinds(posed)], axis=0))
 
 
-def as_counted(
-    posed: Hypothesis, data: Data, kb: KnowledgeBase, hidden: NDArray[np.bool_] | None = None
-) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+def as_counted(posed: Hypothesis, data: Data, kb: KnowledgeBase, hidden: Mask | None = None) -> tuple[Floats, Floats]:
     """Hit rates (F,) and densities (F,) of features that each say as much as they are ``counted``: what the program is told.
 
     With a share w of an observation, 1 − h becomes (1 − h)^w, and what a match says, (h·N + f − h·f) / f, that to the
@@ -131,7 +214,7 @@ class Evidence:
     surplus: float
 
 
-def evidence(posed: Hypothesis, data: Data, kb: KnowledgeBase, hidden: NDArray[np.bool_] | None = None) -> Evidence:
+def evidence(posed: Hypothesis, data: Data, kb: KnowledgeBase, hidden: Mask | None = None) -> Evidence:
     """Σ over E∧D of ln((h·N + f − h·f) / f), in densities, plus Σ over E∧¬D of ln(1 − h) (§8), each as much as it is ``counted``.
 
     ``hidden`` (F,) are the features that accepted opaque objects hide: not expected.
@@ -148,13 +231,10 @@ def evidence(posed: Hypothesis, data: Data, kb: KnowledgeBase, hidden: NDArray[n
         return Evidence(ratio, ratio - float(np.sort(gain)[-FIXED_BY:].sum()))
     if posed.hit is not None:
         ratio += CLEAR * float(np.sum([np.log(clarity(posed, hidden, kind)) for kind in kinds(posed)]))
-    at, precision, middle, across = known(posed, found, data, kb)
-    return Evidence(ratio, ratio + log_share(at, precision, middle, data.camera, across))
+    return Evidence(ratio, ratio + _owed(posed, found, data, kb))
 
 
-def as_fitted(
-    posed: Hypothesis, data: Data, kb: KnowledgeBase, hidden: NDArray[np.bool_] | None = None
-) -> tuple[Floats, Floats]:
+def as_fitted(posed: Hypothesis, data: Data, kb: KnowledgeBase, hidden: Mask | None = None) -> tuple[Floats, Floats]:
     """Hit rates (F,) and densities (F,) per pixel²: of expected matches such that Π (h·N + f − h·f) / f is that at the best pose times the share.
 
     Each match gives up in proportion to how much better it is than a miss, ln(1 + h·N / (f − h·f)); where that is less
@@ -162,8 +242,7 @@ def as_fitted(
     objects hide: not expected.
     """
     hit, near = as_counted(posed, data, kb, hidden)
-    found = posed.candidate & posed.detected
-    found = found if hidden is None else found & ~hidden
+    found = posed.expected(hidden) & posed.detected
     if found.any():
         h = np.clip(hit[found], LEAST, 1.0 - LEAST)
         missed = (1.0 - h) * clutter_density(kb, data, posed.matches[found])
@@ -173,17 +252,58 @@ def as_fitted(
     return hit, near
 
 
-def _owed(posed: Hypothesis, found: NDArray[np.bool_], data: Data, kb: KnowledgeBase) -> float:
+def _owed(posed: Hypothesis, found: Mask, data: Data, kb: KnowledgeBase) -> float:
     """The logarithm of the share of all poses that fit the matches as well as this one."""
     at, precision, middle, across = known(posed, found, data, kb)
     return log_share(at, precision, middle, data.camera, across)
 
 
+def nothing_hidden(posed: Hypothesis) -> Mask:
+    """(F,) none of the features: nothing is accepted that may hide any."""
+    return np.zeros(len(posed.uv), bool)
+
+
+def verified(
+    model: TypeModel,
+    poses: Iterable[Floats],
+    data: Data,
+    kb: KnowledgeBase,
+    hidden_of: Callable[[Hypothesis], Mask] = nothing_hidden,
+    check: Callable[[], None] = unhurried,
+    rounds: int = 1,
+) -> Found:
+    """Poses (4, 4) matched and settled: the distinct ones with their log-likelihood ratios against clutter, best first.
+
+    ``hidden_of`` tells (F,) which features of a hypothesis accepted objects hide; ``check`` is called before each pose,
+    and may raise to end it.
+    """
+    found = []
+    for pose in poses:
+        check()
+        posed = model.settle(pose, data, kb, rounds=0)
+        hidden = hidden_of(posed)
+        posed = model.settle(pose if hidden.any() else posed, data, kb, hidden=hidden, rounds=rounds)
+        if (posed.expected(hidden) & posed.detected).sum() >= FEWEST:
+            found.append((evidence(posed, data, kb, hidden).ratio, posed))
+    return distinct(found, model.object_type)
+
+
 def judged(
-    posed: Hypothesis, data: Data, kb: KnowledgeBase, dv: Mapping[str, float], hidden: NDArray[np.bool_] | None = None
+    posed: Hypothesis, data: Data, kb: KnowledgeBase, dv: Mapping[str, float], hidden: Mask | None = None
 ) -> Hypothesis:
     """The hypothesis with its evidence, and its ev alone and beside the accepted opaque objects that hide the features ``hidden`` (F,)."""
     found = evidence(posed, data, kb, hidden)
     ev = explanatory_value(posed.support(), dv)
     again = ev if hidden is None else explanatory_value(posed.support(hidden), dv)
     return posed.told(worth=found.ratio, surplus=found.surplus, ev=ev, ev_reconsidered=again, hidden=hidden)
+
+
+def outline_rings(posed: Hypothesis, camera: Camera) -> list[list[list[float]]]:
+    """Exterior rings of the projected outline, pixels to two decimals; empty for a type without a surface."""
+    surface = posed.object_type.surface
+    if surface is None:
+        return []
+    shape = outline(surface.vertices, surface.triangles, posed.camera_from_object, camera)
+    return [
+        np.round(np.array(p.exterior.coords), 2).tolist() for p in getattr(shape, "geoms", [shape]) if not p.is_empty
+    ]

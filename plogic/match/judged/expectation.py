@@ -1,45 +1,35 @@
-"""Expected and Detected of one posed hypothesis (D7, D8): what should be seen of it, and which appearance each feature takes."""
+"""Expected and Detected of one posed hypothesis (D7, D8), and how its pose settles: match, refine on what was matched, match again (§7).
 
-from __future__ import annotations
+Where appearances carry depth (a stereo pair is one notional viewpoint, §3.3), depths fix poses. They do not decide what
+is matched: some are wrong, where a feature was missed in one image and another that looks like it in the other.
+"""
 
+from collections.abc import Callable
 from dataclasses import replace
-from typing import TYPE_CHECKING
 
 import numpy as np
 from scipy.optimize import linear_sum_assignment
 
+from geometry.arrays import Floats, Indices, Mask
+from geometry.camera import Camera
 from geometry.frames import inverse, transform_points
+from geometry.poses.refine import Sight, refine_sights, refined_poses
 from geometry.visibility.rays import behind
-from kb.clouds.lobes import in_lobe
+from kb.clouds.cloud import KnowledgeBase, ObjectType
+from kb.clouds.lobes import LobeTable, in_lobe
+from kb.surfaces.surface import Surface
 from plogic.facts.hypothesis import Hypothesis
-
-if TYPE_CHECKING:
-    from numpy.typing import NDArray
-
-    from kb.clouds.cloud import KnowledgeBase, ObjectType
-    from kb.clouds.lobes import LobeTable
-    from plogic.match.gamma.data import Data
+from plogic.match.gamma.data import Data
 
 
-def pose_of(
-    object_type: ObjectType, camera_from_object: NDArray[np.float64], data: Data, kb: KnowledgeBase
-) -> Hypothesis:
+def pose_of(object_type: ObjectType, camera_from_object: Floats, data: Data, kb: KnowledgeBase) -> Hypothesis:
     """What geometry says of a type at a pose: nothing is matched yet. Rays are cast for Behind its own host (§6.4)."""
-    camera = data.camera
-    positions = np.array([feature.at for feature in object_type.seen_features]).reshape(-1, 3)
-    at = transform_points(camera_from_object, positions)
+    camera, table, surface = data.camera, object_type.lobes, object_type.surface
+    at = transform_points(
+        camera_from_object, np.array([feature.at for feature in object_type.seen_features]).reshape(-1, 3)
+    )
     uv = camera.project(at)
-    inside = camera.contains(uv)
-    viewpoint = inverse(camera_from_object)[:3, 3][None]
-    granularity = camera.f / kb.f_ref
-    table = object_type.lobes
-    held = in_lobe(table, viewpoint, granularity)[0]
-    surface = object_type.surface
-    hidden = np.zeros(len(at), dtype=bool)
-    if surface is not None:
-        hidden = behind(at, surface.rays, camera_from_object, 0.004 * surface.diameter)
-    right = _right_types(table, held, data)
-    seen = np.bincount(table.feature[held], minlength=len(at)) > 0
+    held = in_lobe(table, inverse(camera_from_object)[:3, 3][None], camera.f / kb.f_ref)[0]
     return Hypothesis(
         type=object_type.name,
         camera_from_object=camera_from_object,
@@ -47,39 +37,39 @@ def pose_of(
         known_type=object_type,
         at=at,
         uv=uv,
-        in_image=inside,
-        in_lobe=seen,
-        self_hidden=hidden,
-        right=right,
+        in_image=camera.contains(uv),
+        in_lobe=np.bincount(table.feature[held], minlength=len(at)) > 0,
+        self_hidden=np.zeros(len(at), bool) if surface is None else _behind(at, surface, camera_from_object),
+        right=_right_types(table, held, data),
         matches=np.full(len(at), -1, dtype=np.intp),
         residual=np.full(len(at), np.nan),
     )
 
 
-def _right_types(table: LobeTable, held: NDArray[np.bool_], data: Data) -> NDArray[np.bool_]:
+def _behind(at: Floats, surface: Surface, camera_from_object: Floats) -> Mask:
+    """(N,) whether a posed surface is met before places (N, 3) m, camera frame, as far as its own features need (§3.4)."""
+    return behind(at, surface.rays, camera_from_object, 0.004 * surface.diameter)
+
+
+def _right_types(table: LobeTable, held: Mask, data: Data) -> Mask:
     """(F, A) the data whose type some lobe of the feature reports from here.
 
     ``held`` (L,) are the lobes that hold the viewpoint.
     """
-    names = sorted(set(table.types))
-    column = {name: i for i, name in enumerate(names)}
-    reports = np.zeros((table.features, len(names)), dtype=bool)
+    column = {name: i for i, name in enumerate(sorted(set(table.types)))}
+    reports = np.zeros((table.features, len(column) + 1), bool)  # the last column is for types that no lobe reports
     lobes = np.flatnonzero(held)
     reports[table.feature[lobes], [column[table.types[lobe]] for lobe in lobes]] = True
-    of_datum = np.array([column.get(name, -1) for name in data.types], dtype=np.intp)
-    reports = np.hstack(
-        [reports, np.zeros((table.features, 1), dtype=bool)]
-    )  # the last column is for types that no lobe reports
-    return np.asarray(reports[:, of_datum])
+    return np.asarray(reports[:, np.array([column.get(name, -1) for name in data.types], np.intp)])
 
 
 def matched(
     posed: Hypothesis,
     data: Data,
-    allowed: NDArray[np.bool_],
+    allowed: Mask,
     tolerance: float,
-    free: NDArray[np.bool_] | None = None,
-    hidden: NDArray[np.bool_] | None = None,
+    free: Mask | None = None,
+    hidden: Mask | None = None,
 ) -> Hypothesis:
     """The hypothesis' one assignment (D8): expected features first, with the types whose lobe holds v.
 
@@ -98,19 +88,21 @@ def matched(
     left = free.copy()
     left[matches[matches >= 0]] = False
     _assign(matches, off, near & left & allowed & (posed.in_image & ~expected)[:, None], tolerance)
-    residual = (
-        np.where(matches >= 0, np.take_along_axis(off, np.maximum(matches, 0)[:, None], axis=1)[:, 0], np.nan)
-        if off.size
-        else np.full(len(matches), np.nan)
-    )
-    return replace(posed, matches=matches, residual=residual)
+    return replace(posed, matches=matches, residual=of_matches(off, matches))
+
+
+def of_matches(table: Floats, matches: Indices) -> Floats:
+    """(F,) what a table (F, A) says of each feature and its datum ``matches`` (F,), NaN where that is −1."""
+    if not table.size:
+        return np.full(len(matches), np.nan)
+    return np.where(matches >= 0, np.take_along_axis(table, np.maximum(matches, 0)[:, None], axis=1)[:, 0], np.nan)
 
 
 def assigned(
-    matches: NDArray[np.intp],
-    feature: NDArray[np.intp],
-    datum: NDArray[np.intp],
-    off: NDArray[np.float64],
+    matches: Indices,
+    feature: Indices,
+    datum: Indices,
+    off: Floats,
     tolerance: float,
 ) -> None:
     """The same assignment for few pairs (feature, datum), ``off`` pixels apart: fill ``matches`` (F,)."""
@@ -125,7 +117,7 @@ def assigned(
     matches[rows[found >= 0]] = columns[found[found >= 0]]
 
 
-def _assign(matches: NDArray[np.intp], off: NDArray[np.float64], possible: NDArray[np.bool_], tolerance: float) -> None:
+def _assign(matches: Indices, off: Floats, possible: Mask, tolerance: float) -> None:
     """Fill ``matches`` with the assignment of greatest Σ (1 − d²/2·tolerance²): as many as can be, the nearer the better."""
     rows, columns = np.flatnonzero(possible.any(axis=1)), np.flatnonzero(possible.any(axis=0))
     if not len(rows):
@@ -137,7 +129,7 @@ def _assign(matches: NDArray[np.intp], off: NDArray[np.float64], possible: NDArr
             matches[rows[r]] = columns[c]
 
 
-def hidden_by(posed: Hypothesis, other: Hypothesis) -> NDArray[np.bool_]:
+def hidden_by(posed: Hypothesis, other: Hypothesis) -> Mask:
     """(F,) Behind(f, other, v): the line of sight to each feature of ``posed`` meets the other's surface first (§3.4).
 
     Of a learned type's thousands of features it is asked of those alone that are expected or detected: of others
@@ -147,5 +139,120 @@ def hidden_by(posed: Hypothesis, other: Hypothesis) -> NDArray[np.bool_]:
     if surface is None:
         return mask
     asked = np.flatnonzero(posed.candidate | posed.detected) if posed.hit is not None else np.arange(len(posed.at))
-    mask[asked] = behind(posed.at[asked], surface.rays, other.camera_from_object, 0.004 * surface.diameter)
+    mask[asked] = _behind(posed.at[asked], surface, other.camera_from_object)
     return mask
+
+
+DEVIATIONS, SHARE = 4.0, 0.05
+"""A depth counts that is off a pose's by so many standard deviations at most, or by this share of it."""
+BASELINE = 1000.0
+"""Depths between the camera and one far to the side, whose pixels then tell the depth and nothing else."""
+
+
+def with_depths(pose: Floats, seen: Sight, datum: Indices, data: Data, *, sigma: float, huber: float) -> Floats:
+    """The pose (4, 4), camera_from_object, that fits what is ``seen`` of it and the depths of ``datum`` (N,), matched with its first N points.
+
+    As it was where none has a depth. ``sigma``: the noise of places, pixels, for which the weights of what is seen
+    stand, in whatever unit. ``huber``: pixels beyond which a residual counts linearly.
+    """
+    told = side_sight(pose, seen.points[: len(datum)], datum, data, sigma)
+    if told is None:
+        return pose
+    unit = float(np.median(seen.weights)) * sigma**2
+    return refine_sights(pose, [seen, told._replace(weights=unit * told.weights)], huber=huber)
+
+
+def side_sight(pose: Floats, points: Floats, datum: Indices, data: Data, sigma: float) -> Sight | None:
+    """The depths of ``datum`` (N,) as what a camera far to the side sees of ``points`` (N, 3), with noise of about ``sigma`` pixels.
+
+    Weights are 1/variance. None where no depth is told that could be right at this ``pose`` (4, 4).
+    """
+    if data.depth is None or data.depth_sigma is None:
+        return None
+    here = transform_points(pose, points)[:, 2]
+    known = np.abs(data.depth[datum] - here) <= np.maximum(DEVIATIONS * data.depth_sigma[datum], SHARE * here)
+    if not known.any():
+        return None
+    depth, spread = data.depth[datum][known], data.depth_sigma[datum][known]
+    aside = BASELINE * float(np.median(depth))
+    focal = float(np.median(depth**2 / spread)) / aside * sigma
+    moved = np.eye(4)
+    moved[0, 3] = -aside
+    ray = data.camera.normalised(data.uv[datum][known])
+    uv = focal * np.stack([ray[:, 0] - aside / depth, ray[:, 1]], axis=1)
+    noise = focal * aside * spread / depth**2
+    camera, across = Camera(2, 2, np.diag([focal, focal, 1.0])), np.broadcast_to([1.0, 0.0], uv.shape)
+    return Sight(camera, moved, points[known], uv, 1.0 / noise**2, across)
+
+
+FEWEST = 4
+"""Matches of different features with different data that a pose needs: any three appearances have one."""
+AS_GOOD = 3.0
+"""Evidence, logarithms, that is less by so little is as good: of these the last, where the climb ends, whatever way it came.
+
+A sight that is expected and missed costs up to so much, and at the edge of its lobe a pose that is moved by next to
+nothing expects it or does not."""
+
+
+def settled(
+    pose: Floats | Hypothesis,
+    match: Callable[[Floats], Hypothesis],
+    better: Callable[[Hypothesis], Floats | None],
+    rounds: int,
+    worth: Callable[[Hypothesis], float] | None = None,
+    as_good: float = 0.0,
+) -> Hypothesis:
+    """Match, refine, and match again, until nothing changes or ``rounds``; ``better`` gives a better pose, or None.
+
+    What is posed is matched already.
+
+    With ``worth``, the one of greatest worth on the way: a pose that fits its matches better may still explain less. Of
+    those that are less by no more than ``as_good`` it is the last, which depends least on where it began.
+    """
+    posed = best = pose if isinstance(pose, Hypothesis) else match(pose)
+    most = -np.inf if worth is None or not rounds else worth(posed)
+    for _ in range(rounds):
+        refined = better(posed)
+        if refined is None:
+            break
+        new = match(refined)
+        stable = np.array_equal(new.matches, posed.matches)
+        posed = new
+        here = np.inf if worth is None else worth(posed)
+        best, most = posed if here >= most - as_good else best, max(here, most)
+        if stable:
+            break
+    return best
+
+
+def polished(
+    posed: Hypothesis,
+    points: Floats,
+    precision: Floats,
+    data: Data,
+    hidden: Mask | None,
+    robust: float,
+    sigma: float = 1.0,
+) -> Floats | None:
+    """Least squares (4, 4) on the expected features that were detected, or None where they are fewer than ``FEWEST``.
+
+    ``points`` (F, 3) m, object frame; ``precision`` (F,) 1/pixel², or in any unit, that of ``sigma`` pixels; a residual
+    beyond ``robust`` pixels weighs less. Depths count where data have them.
+    """
+    used = posed.expected(hidden) & posed.detected
+    if used.sum() < FEWEST:
+        return None
+    across = None if posed.across is None else posed.across[used]
+    seen = Sight(data.camera, np.eye(4), points[used], data.uv[posed.matches[used]], precision[used], across)
+    found = refined_poses(
+        posed.camera_from_object[None],
+        seen.points[None],
+        seen.uv[None],
+        seen.weights[None],
+        data.camera,
+        huber=robust,
+        across=None if across is None else across[None],
+    )[0]
+    if data.depth is None:
+        return np.asarray(found)
+    return with_depths(found, seen, posed.matches[used], data, sigma=sigma, huber=robust)

@@ -1,27 +1,99 @@
-"""Which hypotheses exclude each other: A4, and claims on the same appearances (§3.1, §4.1).
+"""Two hypotheses in one place: near-duplicates (§8), rivals (§3.1, §4.1), and bodies that are moved apart (A4).
 
 Rivalry by claims is decided in the world that holds just the two: what one hides of the other is not expected there and
 claims nothing. Otherwise a window of the tower in front, taken for a hidden window of the tower behind, would make
 rivals of two towers that both stand.
+
+A4 holds to a millimetre: objects that reach into each other by no more than poses are wrong are moved apart, all
+together. Of all poses that keep them apart those are taken for which Γ speaks most: each pose's information, from its
+matches, tells what a move costs.
+
+* ``same_place``, ``distinct``, ``apart``: which poses of a type are one hypothesis
+* ``excludes(one, other)``: whether no world holds both; ``overlap``, ``shared_claims``: by volume, by data
+* ``moved_apart(posed, information)``: the poses, and which pairs still reach into each other
 """
 
-from __future__ import annotations
-
+from collections.abc import Callable, Iterable, Sequence
 from functools import lru_cache
-from typing import TYPE_CHECKING
+from itertools import combinations
+from typing import NamedTuple
 
 import numpy as np
+from scipy.linalg import block_diag
+from scipy.spatial.transform import Rotation
 
-from geometry.bodies.overlap import Solid, solid_overlap
+from geometry.arrays import Floats, Indices, Mask
+from geometry.bodies.overlap import Reach, Solid, reaches, solid_overlap
+from geometry.frames import pose_error
+from kb.clouds.cloud import ObjectType
+from kb.surfaces.surface import Surface
+from plogic.facts.hypothesis import Hypothesis
 from plogic.match.judged.expectation import hidden_by
 
-if TYPE_CHECKING:
-    from collections.abc import Sequence
+SAME_ROTATION, SAME_PLACE = np.radians(6.0), 0.06
+"""Two poses of a type nearer than this (radians; share of the distance) are one hypothesis (§8)."""
 
-    from numpy.typing import NDArray
 
-    from kb.surfaces.surface import Surface
-    from plogic.facts.hypothesis import Hypothesis
+def same_place(object_type: ObjectType, one: Floats, other: Floats) -> bool:
+    """Whether two poses of a type are within tolerance of each other, up to its symmetries (§8, near-duplicates)."""
+    distance = float(np.linalg.norm(one[:3, 3]))
+    middle = np.append(object_type.surface.centre if object_type.surface is not None else np.zeros(3), 1.0)
+    if object_type.surface is not None and np.linalg.norm((one - other) @ middle) > 2.0 * SAME_PLACE * distance:
+        return False  # symmetries keep the middle where it is
+    rotation, translation = pose_error(one, other, object_type.symmetries)
+    return bool(rotation < SAME_ROTATION and translation < SAME_PLACE * distance)
+
+
+def distinct(scored: Iterable[tuple[float, Hypothesis]], object_type: ObjectType) -> list[tuple[float, Hypothesis]]:
+    """The best of each heap of near-duplicates (§8), best first."""
+    kept: list[tuple[float, Hypothesis]] = []
+    for worth, posed in sorted(scored, key=lambda pair: -pair[0]):
+        if not any(same_place(object_type, posed.camera_from_object, old.camera_from_object) for _, old in kept):
+            kept.append((worth, posed))
+    return kept
+
+
+def distinct_poses(object_type: ObjectType, poses: Iterable[Floats], most: int) -> list[Floats]:
+    """The first ``most`` of poses (4, 4) that are not at one place, up to symmetry."""
+    kept: list[Floats] = []
+    for pose in poses:
+        if len(kept) == most:
+            break
+        if not any(same_place(object_type, pose, old) for old in kept):
+            kept.append(pose)
+    return kept
+
+
+def apart(
+    poses: Floats,
+    middles: Floats,
+    worth: Floats,
+    most: int,
+    alike: tuple[float, float],
+    kinds: Indices | None = None,
+) -> list[int]:
+    """The best of coarse poses (N, 4, 4) by worth (N,), at most so many, no two alike.
+
+    ``middles`` (N, 3) of the objects, camera frame.
+
+    ``alike``: radians, and share of the distance, by less than which two differ that are; ``kinds`` (N,): none is alike
+    one of another kind.
+    """
+    turned, near = alike
+    order = np.argsort(-worth, kind="stable")
+    middle, turns = middles[order], poses[order, :3, :3].reshape(-1, 9)
+    limits = (near * np.linalg.norm(middle, axis=1)) ** 2
+    kind = np.zeros(len(order), np.intp) if kinds is None else kinds[order]
+    left = np.ones(len(order), bool)
+    chosen: list[int] = []
+    while left.any() and len(chosen) < most:
+        i = int(left.argmax())
+        chosen.append(int(order[i]))
+        beside = (kind == kind[i]) & (((middle - middle[i]) ** 2).sum(axis=1) < limits)
+        left &= ~(beside & (turns @ turns[i] > 1.0 + 2.0 * np.cos(turned)))
+        left[i] = False
+    return chosen
+
 
 SHARED_VOLUME = 0.02
 """Share of the smaller volume that two estimated poses may have in common before A4 counts as violated: what 2 % of
@@ -43,26 +115,22 @@ def overlap(one: Hypothesis, other: Hypothesis) -> bool:
     Of one that is no solid nobody knows.
     """
     a, b = one.object_type.surface, other.object_type.surface
-    if a is None or b is None:
+    if a is None or b is None or np.linalg.norm(_middle(one, a) - _middle(other, b)) >= 0.5 * (a.diameter + b.diameter):
         return False
-    apart = np.linalg.norm(_middle(one, a) - _middle(other, b))
-    if apart >= 0.5 * (a.diameter + b.diameter):
+    if a.solid is None or b.solid is None:  # refused (kb.surfaces.surface)
         return False
-    first, second = a.solid, b.solid
-    if first is None or second is None:  # refused (kb.surfaces.surface)
-        return False
-    volume = _shared(first, one.camera_from_object.tobytes(), second, other.camera_from_object.tobytes())
-    return bool(volume > SHARED_VOLUME * min(first.volume, second.volume))
+    volume = _shared(a.solid, one.camera_from_object.tobytes(), b.solid, other.camera_from_object.tobytes())
+    return bool(volume > SHARED_VOLUME * min(a.solid.volume, b.solid.volume))
 
 
 @lru_cache(maxsize=4096)
 def _shared(first: Surface, pose: bytes, second: Surface, other: bytes) -> float:
     """The volume that two posed bodies share, m³; the cycle asks it of the same pair again and again."""
-    poses = (np.frombuffer(some).reshape(4, 4) for some in (pose, other))
-    return solid_overlap(solid_of(first), next(poses), solid_of(second), next(poses))
+    one, two = (np.frombuffer(some).reshape(4, 4) for some in (pose, other))
+    return solid_overlap(solid_of(first), one, solid_of(second), two)
 
 
-def hidden_among(posed: Hypothesis, others: Sequence[Hypothesis]) -> NDArray[np.bool_]:
+def hidden_among(posed: Hypothesis, others: Sequence[Hypothesis]) -> Mask:
     """(F,) what opaque others hide of a hypothesis; those that A4 excludes beside it hide nothing (D7)."""
     hidden = np.zeros(len(posed.uv), bool)
     for other in others:
@@ -91,7 +159,7 @@ def apart_on_screen(one: Hypothesis, other: Hypothesis, f: float, margin: float)
     return bool(np.linalg.norm(first - second) > a + b + margin)
 
 
-def _middle(posed: Hypothesis, surface: Surface) -> NDArray[np.float64]:
+def _middle(posed: Hypothesis, surface: Surface) -> Floats:
     """The middle (3,) of the posed bounding box, camera frame."""
     return np.asarray(posed.camera_from_object[:3, :3] @ surface.centre + posed.camera_from_object[:3, 3])
 
@@ -107,10 +175,127 @@ def claims(posed: Hypothesis, beside: Hypothesis | None = None) -> dict[int, flo
 def shared_claims(one: Hypothesis, other: Hypothesis) -> tuple[set[int], float]:
     """The data that both claim in their common world, and their share of the smaller claim."""
     mine, theirs = claims(one, other), claims(other, one)
-    both = set(mine) & set(theirs)
+    both = mine.keys() & theirs.keys()
     return both, len(both) / max(1, min(len(mine), len(theirs)))
 
 
 def excludes(one: Hypothesis, other: Hypothesis) -> bool:
     """Whether no world holds both: A4, or they explain the same data."""
     return overlap(one, other) or shared_claims(one, other)[1] > SHARED_CLAIMS
+
+
+DEEP = 0.001
+"""Metres by which two accepted objects may reach into each other."""
+SPARE = 0.1
+"""Share of that which is left when they are moved."""
+ROUNDS = 12
+"""Times that all are moved: the way out is known for flat contacts, and found again for others."""
+FAR = 10.0
+"""Standard deviations of its pose by which an object may be moved: what has to go further was not seen where it must
+be."""
+SWEEPS = 100
+"""Passes over all contacts in which their forces are found."""
+
+
+class Contact(NamedTuple):
+    """Two bodies, by number, the lower first, and how far the second reaches into the first."""
+
+    first: int
+    second: int
+    reach: Reach
+
+
+def moved_apart(
+    posed: Sequence[Hypothesis], information: Callable[[int], Floats], still: int = 0
+) -> tuple[list[Floats], list[tuple[int, int]]]:
+    """Poses (4, 4), camera_from_object, of N objects, and the pairs that still reach more than ``DEEP`` into each other.
+
+    So do pairs that would have to move too ``FAR``. One that touches nobody keeps its pose, the same array; so do the
+    first, which stand ``still``, and nothing is told of pairs of these. ``information``, (6, 6), of the pose of one by
+    number (``pose_information``): what a move costs.
+    """
+    poses = [some.camera_from_object for some in posed]
+    first = deep = _deep(posed, poses, still)
+    if not first:
+        return poses, []
+    costs = [information(k) for k in range(len(posed))]
+    yields = [(k >= still) * np.asarray(np.linalg.inv(cost)) for k, cost in enumerate(costs)]
+    for _ in range(ROUNDS):
+        poses = _eased(posed, poses, yields, deep)
+        deep = _deep(posed, poses, still)
+        if not deep:
+            break
+    far = [_cost(some, pose, cost) > FAR**2 for some, pose, cost in zip(posed, poses, costs, strict=True)]
+    deep += [contact for contact in first if far[contact.first] or far[contact.second]]
+    return poses, sorted({(contact.first, contact.second) for contact in deep})
+
+
+def _deep(posed: Sequence[Hypothesis], poses: Sequence[Floats], still: int) -> list[Contact]:
+    return [contact for contact in contacts(posed, poses, still) if contact.reach.depth > DEEP]
+
+
+def reaches_into(one: Hypothesis, other: Hypothesis) -> bool:
+    """Whether two reach more than ``DEEP`` into each other."""
+    return bool(_deep((one, other), [one.camera_from_object, other.camera_from_object], 0))
+
+
+def contacts(posed: Sequence[Hypothesis], poses: Sequence[Floats], still: int = 0) -> list[Contact]:
+    """Where bodies at some poses reach into each other, once a connected piece of what they share.
+
+    Of one that is no solid nobody knows.
+
+    Pairs of the first, which stand ``still``, are left out.
+    """
+    found = []
+    for i, j in (pair for pair in combinations(range(len(posed)), 2) if pair[1] >= still):
+        one, other = (None if (surface := posed[k].object_type.surface) is None else surface.solid for k in (i, j))
+        if one is not None and other is not None:
+            found += [Contact(i, j, deep) for deep in reaches(solid_of(one), poses[i], solid_of(other), poses[j])]
+    return found
+
+
+def _eased(
+    posed: Sequence[Hypothesis], poses: list[Floats], yields: Sequence[Floats], deep: Sequence[Contact]
+) -> list[Floats]:
+    """The poses after the least costly moves that end the contacts, as far as these are flat: a quadratic program, by its dual.
+
+    ``yields`` (6, 6) each: the inverse of what moves cost; 0 of what stands still.
+    """
+    rows = np.zeros((len(deep), 6 * len(posed)))
+    wanted = np.array([contact.reach.depth - SPARE * DEEP for contact in deep])
+    middles = [_moved_middle(some, pose) for some, pose in zip(posed, poses, strict=True)]
+    for row, (first, second, found) in zip(rows, deep, strict=True):
+        for body, sign in ((first, -1.0), (second, 1.0)):
+            lever = np.cross(found.at - middles[body], found.way)
+            row[6 * body : 6 * body + 6] = sign * np.concatenate([lever, found.way])
+    loose = block_diag(*yields)
+    coupling, force = rows @ loose @ rows.T, np.zeros(len(deep))
+    for _ in range(SWEEPS):
+        for k in range(len(deep)):
+            force[k] = max(0.0, force[k] + (wanted[k] - coupling[k] @ force) / coupling[k, k])
+    moves = (loose @ rows.T @ force).reshape(-1, 6)
+    return [_moved(pose, middle, move) for pose, middle, move in zip(poses, middles, moves, strict=True)]
+
+
+def _moved_middle(posed: Hypothesis, pose: Floats) -> Floats:
+    """(3,) m, camera frame: the middle of the object at another pose."""
+    moved = pose @ np.linalg.inv(posed.camera_from_object)
+    return np.asarray(moved[:3, :3] @ posed.middle + moved[:3, 3])
+
+
+def _cost(posed: Hypothesis, pose: Floats, cost: Floats) -> float:
+    """Squared standard deviations by which a pose is off the one that the matches gave."""
+    turn = Rotation.from_matrix(pose[:3, :3] @ posed.camera_from_object[:3, :3].T).as_rotvec()
+    move = np.concatenate([turn, _moved_middle(posed, pose) - posed.middle])
+    return float(move @ cost @ move)
+
+
+def _moved(pose: Floats, middle: Floats, move: Floats) -> Floats:
+    """A pose turned about a place by ``move[:3]`` rad, and moved by ``move[3:]`` m; itself where it is not moved."""
+    if not move.any():
+        return pose
+    turn = Rotation.from_rotvec(move[:3]).as_matrix()
+    new = np.eye(4)
+    new[:3, :3] = turn @ pose[:3, :3]
+    new[:3, 3] = turn @ (pose[:3, 3] - middle) + middle + move[3:]
+    return new

@@ -9,28 +9,20 @@ has. The methods that have a body here state what most kinds do; a kind that der
 * ``Search``: the search for them in one Γ
 """
 
-from __future__ import annotations
+from collections import Counter
+from collections.abc import Callable, Generator, Mapping, Sequence
+from pathlib import Path
+from typing import ClassVar, NamedTuple, Protocol, TypeAlias
 
-from typing import TYPE_CHECKING, ClassVar, NamedTuple, Protocol, TypeAlias
-
+from geometry.arrays import Floats, Indices, Mask
+from geometry.bodies.resting import Plane, RestingFaces
+from kb.clouds.cloud import KnowledgeBase, ObjectType
 from plogic.base.clock import unhurried
+from plogic.facts.hypothesis import Hypothesis
+from plogic.match.gamma.data import Data
 
-if TYPE_CHECKING:
-    from collections import Counter
-    from collections.abc import Callable, Generator, Mapping, Sequence
-    from pathlib import Path
-
-    import numpy as np
-    from numpy.typing import NDArray
-
-    from geometry.bodies.resting import Plane, RestingFaces
-    from kb.clouds.cloud import KnowledgeBase, ObjectType
-    from plogic.facts.hypothesis import Hypothesis
-    from plogic.match.gamma.data import Data
-
-    Floats: TypeAlias = NDArray[np.float64]
-    Flags: TypeAlias = NDArray[np.bool_]
-    Found: TypeAlias = list[tuple[float, Hypothesis]]
+Found: TypeAlias = list[tuple[float, Hypothesis]]
+"""Hypotheses with their log-likelihood ratios, best first."""
 
 SURE = 5.0
 """Logarithm of the odds by which a type must explain its data better than clutter does, all its poses together: 150 to
@@ -54,7 +46,7 @@ class Given(NamedTuple):
     """
 
     accepted: Sequence[Hypothesis]
-    hidden_of: Callable[[Hypothesis], Flags]
+    hidden_of: Callable[[Hypothesis], Mask]
     seen: Callable[[Found], None]
     tell: Callable[[str], None]
 
@@ -114,7 +106,7 @@ class TypeModel(Protocol):
         ...
 
     @property
-    def anchors(self) -> NDArray[np.intp]:
+    def anchors(self) -> Indices:
         """(K,) the features that hypotheses start from, of which one must be detected."""
         ...
 
@@ -136,8 +128,8 @@ class TypeModel(Protocol):
         pose: Floats | Hypothesis,
         data: Data,
         kb: KnowledgeBase,
-        free: Flags | None = None,
-        hidden: Flags | None = None,
+        free: Mask | None = None,
+        hidden: Mask | None = None,
         rounds: int = 2,
     ) -> Hypothesis:
         """The type at a pose camera_from_object (4, 4), or a hypothesis that is matched already: matched (D7, D8), refined, and matched again.

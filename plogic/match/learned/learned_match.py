@@ -12,22 +12,18 @@ import numpy as np
 
 from geometry.frames import transform_points
 from plogic.facts.hypothesis import Hypothesis
-from plogic.match.gamma.screen_angles import screen_angle
-from plogic.match.judged.evidence import evidence
-from plogic.match.judged.expectation import assigned
-from plogic.match.judged.settling import FEWEST, polished, settled
-from plogic.match.learned.held_lobes import lobes_about, lobes_held
+from plogic.match.gamma.grid import screen_angle
+from plogic.match.judged.expectation import FEWEST, assigned
+from plogic.match.learned.agreement import lobes_about, lobes_held
 from plogic.match.learned.looks import likeness, right_pairs
 from plogic.match.learned.sides import side_likeness, side_matches
 
 if TYPE_CHECKING:
-    from numpy.typing import NDArray
-
+    from geometry.arrays import Floats, Indices, Mask
     from kb.clouds.cloud import KnowledgeBase
     from plogic.match.gamma.data import Data
     from plogic.match.learned.learned_models import LearnedIndex
 
-    Floats = NDArray[np.float64]
 
 ROBUST = 1.5
 MEDIAN, MEDIAN_ACROSS = 1.177, 0.6745
@@ -44,43 +40,17 @@ NOISE = (0.3, 2.0)
 """Bounds of the location noise, pixels."""
 
 
-def settle(
-    index: LearnedIndex,
-    pose: Floats | Hypothesis,
-    data: Data,
-    kb: KnowledgeBase,
-    free: NDArray[np.bool_] | None = None,
-    hidden: NDArray[np.bool_] | None = None,
-    rounds: int = 2,
-) -> Hypothesis:
-    """The type at a pose, or one that is matched there already: matched (D7, D8), refined, and matched again."""
-
-    def match(pose: Floats) -> Hypothesis:
-        return matched(index, pose_of(index, pose, data, kb), data, kb, free, hidden)
-
-    def better(posed: Hypothesis) -> Floats | None:
-        return polished(posed, index.points, precision(posed), data, hidden, ROBUST)
-
-    return settled(pose, match, better, rounds, lambda posed: evidence(posed, data, kb, hidden).ratio)
-
-
 def pose_of(index: LearnedIndex, pose: Floats, data: Data, kb: KnowledgeBase) -> Hypothesis:
     """What geometry says of the type at a pose; nothing is matched yet."""
     camera, cloud = data.camera, index.cloud
     at = transform_points(pose, index.points)
-    uv = camera.project(at)
+    uv, count = camera.project(at), len(at)
     held = lobes_held(index, pose, camera.f / kb.f_ref)
-    count = len(at)
-    if (
-        not data.whole.sided.any()
-    ):  # an image without colours, or detected by others: sides are not looked for, and not missed
+    if not data.whole.sided.any():  # no colours, or detected by others: sides are not looked for, and not missed
         held = held[~cloud.sided[held]]
-    best = held[
-        np.lexsort((cloud.hit[held], cloud.feature[held]))
-    ]  # of each feature the lobe of the greatest rate comes last
-    hit, turn = np.zeros(count), np.zeros(count)
-    hit[cloud.feature[best]] = cloud.hit[best]
-    turn[cloud.feature[best]] = screen_angle(cloud.up[best] @ pose[:3, :3].T, at[cloud.feature[best]])
+    best = held[np.lexsort((cloud.hit[held], cloud.feature[held]))]  # the greatest rate of each feature comes last
+    feature, (hit, turn) = cloud.feature[best], np.zeros((2, count))
+    hit[feature], turn[feature] = cloud.hit[best], screen_angle(cloud.up[best] @ pose[:3, :3].T, at[feature])
     return Hypothesis(
         type=index.object_type.name,
         camera_from_object=pose,
@@ -105,8 +75,8 @@ def matched(
     posed: Hypothesis,
     data: Data,
     kb: KnowledgeBase,
-    free: NDArray[np.bool_] | None = None,
-    hidden: NDArray[np.bool_] | None = None,
+    free: Mask | None = None,
+    hidden: Mask | None = None,
 ) -> Hypothesis:
     """The hypothesis' one assignment (D8): expected features first, then unexpected ones.
 
@@ -135,8 +105,7 @@ def matched(
         if len(data.ids)
         else posed.residual
     )
-    used = expected & (matches >= 0)
-    sigma = np.hypot(blur(residual[used & (reach <= tolerance)]), spread)
+    sigma = np.hypot(blur(residual[(expected & (matches >= 0)) & (reach <= tolerance)]), spread)
     like = likeness(index, posed, about, matches, data, kb)
     posed = replace(
         posed,
@@ -159,8 +128,8 @@ def _with_sides(
     posed: Hypothesis,
     data: Data,
     kb: KnowledgeBase,
-    lobes: NDArray[np.intp],
-    free: NDArray[np.bool_],
+    lobes: Indices,
+    free: Mask,
 ) -> Hypothesis:
     """What is matched so far, and the sides of edges that are those of ``lobes``, which are expected.
 

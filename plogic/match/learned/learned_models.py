@@ -5,41 +5,32 @@
 * ``searched(search, indices, data, 2)``: what a search finds of each index; copies of this process share the work
 """
 
-from __future__ import annotations
-
+from collections import Counter
+from collections.abc import Callable, Generator, Mapping, Sequence
 from contextlib import closing
 from dataclasses import dataclass, field, fields
 from functools import cached_property
-from typing import TYPE_CHECKING, Any, ClassVar
+from typing import Any, ClassVar, Self
 
 import numpy as np
+from numpy.typing import NDArray
 
-from geometry.bodies.resting import resting_faces
+from geometry.arrays import Floats, Indices, Mask
+from geometry.bodies.resting import Plane, RestingFaces, resting_faces
+from kb.clouds.cloud import KnowledgeBase, ObjectType
+from kb.clouds.learned import LearnedCloud
 from kb.clouds.words import POINT, SIDE
 from plogic.base.jobs import each
 from plogic.facts.hypothesis import Hypothesis
-from plogic.match.judged.type_models import SURE, Ranks, Search, TypeModels
-from plogic.match.learned.held_lobes import Lobes, lobes_of
-from plogic.match.learned.learned_match import settle
+from plogic.match.gamma.data import Data
+from plogic.match.judged.evidence import evidence
+from plogic.match.judged.expectation import polished, settled
+from plogic.match.judged.type_models import SURE, Found, Given, Ranks, Request, Search, Setup, TypeModels
+from plogic.match.learned.agreement import Lobes, lobes_of
+from plogic.match.learned.keypoints import Lexicon, lexicon_of
+from plogic.match.learned.learned_match import ROBUST, matched, pose_of, precision
 from plogic.match.learned.learned_poses import NOBODY, REFINED, generate, resting
-from plogic.match.learned.lexicon import Lexicon, lexicon_of
-from plogic.measures.distinctiveness import kinds_of, rank_of_kinds
-
-if TYPE_CHECKING:
-    from collections import Counter
-    from collections.abc import Callable, Generator, Mapping, Sequence
-    from typing import Self
-
-    from numpy.typing import NDArray
-
-    from geometry.bodies.resting import Plane, RestingFaces
-    from kb.clouds.cloud import KnowledgeBase, ObjectType
-    from kb.clouds.learned import LearnedCloud
-    from plogic.match.gamma.data import Data
-    from plogic.match.judged.type_models import Found, Given, Request, Setup
-    from plogic.measures.distinctiveness import Kinds
-
-    Floats = NDArray[np.float64]
+from plogic.measures.distinctiveness import Kinds, kinds_of, rank_of_kinds
 
 
 @dataclass(frozen=True, eq=False)
@@ -78,7 +69,7 @@ class LearnedIndex:
         return lobes_of(self.cloud, sides[np.argsort(-self.cloud.hit[sides], kind="stable")], self.centre)
 
     @cached_property
-    def anchors(self) -> NDArray[np.intp]:
+    def anchors(self) -> Indices:
         """All features: each is as good as any to start from."""
         return np.arange(len(self.points))
 
@@ -93,7 +84,7 @@ class LearnedIndex:
         return self.cloud.at[self.cloud.feature]
 
     @cached_property
-    def sided(self) -> NDArray[np.bool_]:
+    def sided(self) -> Mask:
         """(F,) which features are sides of edges: so are all of their appearances."""
         result = np.zeros(len(self.points), bool)
         result[self.cloud.feature[self.cloud.sided]] = True
@@ -111,9 +102,8 @@ class LearnedIndex:
     @cached_property
     def centre(self) -> Floats:
         """(3,) middle of the features, object frame."""
-        surface = self.object_type.surface
-        middle = surface.centre if surface is not None else (self.points.min(axis=0) + self.points.max(axis=0)) / 2.0
-        return np.asarray(middle, float)
+        surface, points = self.object_type.surface, self.points
+        return np.asarray((points.min(axis=0) + points.max(axis=0)) / 2.0 if surface is None else surface.centre, float)
 
     @cached_property
     def resting(self) -> RestingFaces:
@@ -153,12 +143,18 @@ class LearnedIndex:
         pose: Floats | Hypothesis,
         data: Data,
         kb: KnowledgeBase,
-        free: NDArray[np.bool_] | None = None,
-        hidden: NDArray[np.bool_] | None = None,
+        free: Mask | None = None,
+        hidden: Mask | None = None,
         rounds: int = 2,
     ) -> Hypothesis:
-        """The type at a pose, matched and refined (``plogic.match.learned.learned_match``)."""
-        return settle(self, pose, data, kb, free, hidden, rounds)
+        """The type at a pose, or one that is matched there already: matched (D7, D8), refined, and matched again."""
+        return settled(
+            pose,
+            lambda pose: matched(self, pose_of(self, pose, data, kb), data, kb, free, hidden),
+            lambda posed: polished(posed, self.points, precision(posed), data, hidden, ROBUST),
+            rounds,
+            lambda posed: evidence(posed, data, kb, hidden).ratio,
+        )
 
     def significance(self, posed: Hypothesis) -> float:  # noqa: ARG002 - of other kinds it depends on the hypothesis
         """All poses of a learned type are counted in its evidence."""
@@ -277,11 +273,8 @@ class LearnedSearch(Search):
                 self._searched[name] = given.count(name)
 
 
-def bodies(models: Mapping[str, LearnedIndex], accepted: Sequence[Hypothesis]) -> NDArray[np.float64]:
+def bodies(models: Mapping[str, LearnedIndex], accepted: Sequence[Hypothesis]) -> Floats:
     """(N, 4) middles, camera frame, and inner radii of accepted objects of these types, m: what reaches nearer than that is in them (A4)."""
-    rows = []
-    for posed in accepted:
-        index, pose = models.get(posed.object_type.name), posed.camera_from_object
-        if index is not None:
-            rows.append((*(pose[:3, :3] @ index.centre + pose[:3, 3]), index.inner_radius))
+    held = [(models[some.type], some.camera_from_object) for some in accepted if some.type in models]
+    rows = [(*(pose[:3, :3] @ index.centre + pose[:3, 3]), index.inner_radius) for index, pose in held]
     return np.array(rows).reshape(-1, 4)

@@ -13,25 +13,21 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from plogic.match.judged.alike import apart, distinct, same_place
 from plogic.match.judged.evidence import evidence
-from plogic.match.judged.settling import FEWEST
+from plogic.match.judged.expectation import FEWEST
+from plogic.match.judged.rivals import apart, distinct, distinct_poses
 from plogic.match.learned.agreement import agreement, votes
-from plogic.match.learned.keypoints import SEEDS, depths, pairs_of, plausible, sights, single_poses, turns
-from plogic.match.learned.learned_match import settle
+from plogic.match.learned.keypoints import SEEDS, Pairs, depths, pairs_of, plausible, sights, single_poses, turns
 from plogic.match.learned.learned_refinement import ROUNDS, Round, held_at, refined
 
 if TYPE_CHECKING:
-    from numpy.typing import NDArray
-
+    from geometry.arrays import Floats, Mask
     from geometry.bodies.resting import Plane
     from kb.clouds.cloud import KnowledgeBase
     from plogic.facts.hypothesis import Hypothesis
     from plogic.match.gamma.data import Data
-    from plogic.match.learned.keypoints import Pairs
     from plogic.match.learned.learned_models import LearnedIndex
 
-    Floats = NDArray[np.float64]
 
 VOTE = (0.12, 3.0)
 """Share of the diameter, and pixels, within which places agree in the vote: a single pair's pose is coarse."""
@@ -73,10 +69,9 @@ def generate(
     return settled_best(index, poses[clear_of(taken, index, poses)], data, kb, verified)
 
 
-def clear_of(taken: Floats, index: LearnedIndex, poses: Floats) -> NDArray[np.bool_]:
+def clear_of(taken: Floats, index: LearnedIndex, poses: Floats) -> Mask:
     """(H,) which poses (H, 4, 4) may keep out of bodies that are there already (N, 4), as far as their inner radii tell (A4)."""
-    middles = poses[:, :3, :3] @ index.centre + poses[:, :3, 3]
-    apart = np.linalg.norm(middles[:, None] - taken[:, :3], axis=2)
+    apart = np.linalg.norm((poses[:, :3, :3] @ index.centre + poses[:, :3, 3])[:, None] - taken[:, :3], axis=2)
     return np.asarray((apart > taken[:, 3] + index.inner_radius).all(axis=1))
 
 
@@ -84,11 +79,11 @@ def settled_best(
     index: LearnedIndex, best: Floats, data: Data, kb: KnowledgeBase, verified: int
 ) -> list[tuple[float, Hypothesis]]:
     """Of refined poses (N, 4, 4), best first, the first ``verified`` that are apart, settled, with their log-likelihood ratios, best first."""
-    seen = [settle(index, pose, data, kb, rounds=0) for pose in distinct_poses(index, best, verified)]
+    seen = [index.settle(pose, data, kb, rounds=0) for pose in distinct_poses(index.object_type, best, verified)]
     hopeful = [posed for posed in seen if _enough(posed) and evidence(posed, data, kb).surplus > HOPELESS]
-    settled = [settle(index, posed, data, kb, rounds=2) for posed in hopeful]
+    settled = [index.settle(posed, data, kb, rounds=2) for posed in hopeful]
     scored = [(evidence(posed, data, kb).ratio, posed) for posed in settled if _enough(posed)]
-    return distinct(sorted(scored, key=lambda pair: -pair[0]), index.object_type)
+    return distinct(scored, index.object_type)
 
 
 def proposed(
@@ -108,13 +103,12 @@ def proposed(
     """
     nothing = np.zeros((0, 4, 4)), np.zeros(0)
     pairs = pairs_of(index, data)
-    poses = single_poses(index, pairs.first(SEEDS), data) if len(pairs) >= FEWEST else nothing[0]
+    poses = single_poses(index, pairs.take(slice(SEEDS)), data) if len(pairs) >= FEWEST else nothing[0]
     poses = poses[clear_of(taken, index, poses)]
     if not len(poses):
         return nothing
-    worth = votes(agreement(index, poses, pairs, data, *VOTE), pairs)
     granularity = data.camera.f / kb.f_ref
-    best, worth = refined(index, poses[_apart(index, poses, worth, most)], pairs, data, granularity, thin=thin)
+    best, worth = refined(index, _voted(index, poses, pairs, data, VOTE, most), pairs, data, granularity, thin=thin)
     if not len(best):
         return nothing
     some = best[:tried][worth[:tried] >= TILTED] if thin else best
@@ -128,9 +122,12 @@ def _enough(posed: Hypothesis) -> bool:
     return int((posed.candidate & posed.detected).sum()) >= FEWEST
 
 
-def _apart(index: LearnedIndex, poses: Floats, worth: Floats, most: int) -> list[int]:
-    """The best by votes, no two alike."""
-    return apart(poses, poses[:, :3, :3] @ index.centre + poses[:, :3, 3], worth, most, (TURNED, APART))
+def _voted(
+    index: LearnedIndex, poses: Floats, pairs: Pairs, data: Data, within: tuple[float, float], most: int
+) -> Floats:
+    """The best of poses (N, 4, 4) by votes, no two alike; ``within``: a share of the diameter, and pixels."""
+    worth = votes(agreement(index, poses, pairs, data, *within), pairs)
+    return poses[apart(poses, poses[:, :3, :3] @ index.centre + poses[:, :3, 3], worth, most, (TURNED, APART))]
 
 
 def tilted(index: LearnedIndex, poses: Floats, pairs: Pairs, data: Data) -> Floats:
@@ -140,10 +137,8 @@ def tilted(index: LearnedIndex, poses: Floats, pairs: Pairs, data: Data) -> Floa
     and lobes decide.
     """
     held, places = held_at(index, poses, pairs, data, ROUNDS[-2]), index.places[pairs.lobe]
-    normals, little = (
-        index.cloud.normal[index.cloud.feature[pairs.lobe]],
-        1e-9,
-    )  # a pose that nothing holds is turned about the middle of all
+    normals = index.cloud.normal[index.cloud.feature[pairs.lobe]]
+    little = 1e-9  # a pose that nothing holds is turned about the middle of all
     total = held.sums(len(poses))[:, None] + little
     normal, own = ((held.sums(len(poses), rows) + little * rows.mean(axis=0)) / total for rows in (normals, places))
     normal /= np.maximum(np.linalg.norm(normal, axis=1, keepdims=True), 1e-9)
@@ -158,17 +153,6 @@ def tilted(index: LearnedIndex, poses: Floats, pairs: Pairs, data: Data) -> Floa
     )
     other[:, :3, 3] = middle - np.einsum("hij,hj->hi", other[:, :3, :3], own)
     return other
-
-
-def distinct_poses(index: LearnedIndex, poses: Floats, most: int) -> list[Floats]:
-    """The first ``most`` of poses (N, 4, 4) that are not at one place, up to symmetry."""
-    kept: list[Floats] = []
-    for pose in poses:
-        if not any(same_place(index.object_type, pose, old) for old in kept):
-            kept.append(pose)
-            if len(kept) == most:
-                break
-    return kept
 
 
 TIPPED, FARTHER = 0.7, 0.5
@@ -200,11 +184,9 @@ def resting(
     pairs = pairs_of(index, data)
     poses = set_down(index, pairs, plane, data)
     poses = poses[clear_of(taken, index, poses)]
-    middles = poses[:, :3, :3] @ index.centre + poses[:, :3, 3]
     if not len(poses):
         return []
-    worth = votes(agreement(index, poses, pairs, data, *VOTE_RESTING), pairs)
-    some = poses[apart(poses, middles, worth, MOST_RESTING, (TURNED, APART))]
+    some = _voted(index, poses, pairs, data, VOTE_RESTING, MOST_RESTING)
     best, worth = refined(index, some, pairs, data, data.camera.f / kb.f_ref, rounds=ROUNDS_RESTING, moves=plane.moves)
     return settled_best(index, best[worth >= WORTHLESS], data, kb, VERIFIED_RESTING)
 
@@ -233,6 +215,5 @@ def set_down(index: LearnedIndex, pairs: Pairs, plane: Plane, data: Data) -> Flo
 
 def _least_turns(start: Floats, end: Floats) -> Floats:
     """(N, 3, 3) the least rotations of unit vectors (N, 3) to another (3,), which is opposite to none."""
-    axis = np.cross(start, end)
-    across = np.cross(np.eye(3), axis[:, None, :])
+    across = np.cross(np.eye(3), np.cross(start, end)[:, None, :])
     return np.asarray(np.eye(3) + across + across @ across / (1.0 + start @ end)[:, None, None])

@@ -12,28 +12,21 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 
 from geometry.poses.refine import Steps, refined_poses
-from plogic.match.gamma.screen_angles import screen_angle
+from plogic.match.gamma.data import Data, viewpoints_of
+from plogic.match.gamma.grid import screen_angle
 from plogic.match.gamma.side_looks import looks_fit
 from plogic.match.judged.evidence import MOST_HIT
-from plogic.match.judged.settling import FEWEST
-from plogic.match.learned.agreement import agreement, held_by
-from plogic.match.learned.held_lobes import first_held
-from plogic.match.learned.keypoints import plausible
+from plogic.match.judged.expectation import FEWEST
+from plogic.match.learned.agreement import Held, agreement, first_held, held_by
+from plogic.match.learned.keypoints import Pairs, plausible
 from plogic.match.learned.sides import ALONG, side_pairs
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from numpy.typing import NDArray
-
-    from plogic.match.gamma.data import Data
-    from plogic.match.learned.agreement import Held
-    from plogic.match.learned.keypoints import Pairs
+    from geometry.arrays import Floats, Indices
     from plogic.match.learned.learned_models import LearnedIndex
-    from plogic.match.learned.sides import SidePairs
 
-    Floats = NDArray[np.float64]
-    Indices = NDArray[np.intp]
 
 LOOSE = 0.25
 """Standard deviation, radians, by which a side faces another way where the pose is coarse."""
@@ -64,7 +57,7 @@ def side_fit(index: LearnedIndex, poses: Floats, data: Data, granularity: float,
     inside = data.camera.contains(uv)
     pose, lobe, uv, angle = pose[inside], lobe[inside], uv[inside], angle[inside]
     pairs, further = side_pairs(index, data, lobe, uv, angle), ALONG + reach / 3.0
-    near = pairs.only((np.abs(pairs.off) <= reach) & (np.abs(pairs.along) <= further))
+    near = pairs.take((np.abs(pairs.off) <= reach) & (np.abs(pairs.along) <= further))
     sigma = max(reach / 2.5, 1.0)
     fit = np.exp(-0.5 * (near.off / sigma) ** 2 - 0.5 * (near.turned / LOOSE) ** 2) / (
         np.sqrt(2.0 * np.pi) * sigma * 2.0 * further
@@ -73,7 +66,8 @@ def side_fit(index: LearnedIndex, poses: Floats, data: Data, granularity: float,
         looks_fit(index.looks[lobe[near.place]], data.looks[near.datum], near.colours, data.contrasts)
         / pairs.usual(reach, len(lobe))[near.place]
     )
-    best = _best(near, fit)
+    best = np.lexsort((near.datum, -fit, near.place))
+    best = best[np.unique(near.place[best], return_index=True)[1]]  # of each place the pair that fits best
     place, datum, fit = near.place[best], near.datum[best], fit[best]
     hit = np.minimum(index.cloud.hit[lobe], MOST_HIT)
     gain = np.log1p(-hit)
@@ -91,19 +85,12 @@ def side_fit(index: LearnedIndex, poses: Floats, data: Data, granularity: float,
     return result
 
 
-def _best(near: SidePairs, fit: Floats) -> Indices:
-    """Of the pairs the one of each place that fits best."""
-    order = np.lexsort((near.datum, -fit, near.place))
-    return order[np.unique(near.place[order], return_index=True)[1]]
-
-
 def _expected(index: LearnedIndex, poses: Floats, data: Data, granularity: float, most: int) -> tuple[Indices, Indices]:
     """Poses and the appearances of sides that each expects, the ``most`` of the greatest hit rates."""
     lobes = index.lobes_of_sides
     if not len(lobes.which) or not data.sided.any():
         return np.zeros(0, np.intp), np.zeros(0, np.intp)
-    viewpoints = -np.einsum("hij,hi->hj", poses[:, :3, :3], poses[:, :3, 3])
-    pose, place = first_held(lobes, viewpoints, granularity, most)
+    pose, place = first_held(lobes, viewpoints_of(poses), granularity, most)
     return pose, lobes.which[place]
 
 

@@ -13,21 +13,18 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from plogic.match.gamma.screen_angles import screen_angle, wrapped
+from plogic.match.gamma.grid import screen_angle, wrapped
 from plogic.match.judged.evidence import clutter_density
 from plogic.match.learned.agreement import ANGLES, SIZES
-from plogic.match.learned.lexicon import farthest, spread
+from plogic.match.learned.keypoints import farthest, spread
 
 if TYPE_CHECKING:
-    from numpy.typing import NDArray
-
+    from geometry.arrays import Floats, Indices, Mask
     from kb.clouds.cloud import KnowledgeBase
     from plogic.facts.hypothesis import Hypothesis
     from plogic.match.gamma.data import Data
     from plogic.match.learned.learned_models import LearnedIndex
 
-    Floats = NDArray[np.float64]
-    Indices = NDArray[np.intp]
 
 LOOSER = 1.22
 """Descriptors may be this much farther apart where the pose says what to look for than where nothing is known."""
@@ -69,7 +66,7 @@ class RightPairs:
     apart: Floats
     fit: Floats
 
-    def held(self, lobes: Indices) -> NDArray[np.bool_]:
+    def held(self, lobes: Indices) -> Mask:
         """(N,) whether a pair looks right by one of some lobes."""
         by = np.zeros(len(self.feature), bool)
         by[self.pair[np.isin(self.lobe, lobes)]] = True
@@ -82,7 +79,7 @@ def right_pairs(
     data: Data,
     lobes: Indices,
     features: Indices,
-    free: NDArray[np.bool_],
+    free: Mask,
     reach: Floats | float,
 ) -> RightPairs:
     """Of some features (increasing) and keypoints that are ``free`` (A,), those that look right within ``reach`` pixels (one, or each its own).
@@ -115,7 +112,7 @@ def right_pairs(
     )
 
 
-def _within(places: Floats, reach: Floats, data: Data, free: NDArray[np.bool_]) -> tuple[Indices, Indices]:
+def _within(places: Floats, reach: Floats, data: Data, free: Mask) -> tuple[Indices, Indices]:
     """All pairs of a place (F, 2) and a keypoint that is free at most its ``reach`` (F,) from it: indices of places, in order, and of data."""
     place, datum = data.keypoints.near(places, reach)
     right, down = (places[:, axis][place] - data.uv[:, axis][datum] for axis in (0, 1))

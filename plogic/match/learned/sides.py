@@ -13,25 +13,24 @@ were the whole hypothesis moved to other places nearby is the pattern of the ima
 
 from __future__ import annotations
 
-from dataclasses import dataclass, fields
+from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
 
-from plogic.match.gamma.screen_angles import screen_angle, wrapped
+from plogic.match.gamma.data import Columns, Data
+from plogic.match.gamma.grid import screen_angle, wrapped
 from plogic.match.gamma.side_looks import colours_off, looks_fit
 from plogic.match.judged.evidence import clutter_density, density
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
+    from geometry.arrays import Floats, Indices, Mask
     from kb.clouds.cloud import KnowledgeBase
     from plogic.facts.hypothesis import Hypothesis
-    from plogic.match.gamma.data import Data
     from plogic.match.learned.learned_models import LearnedIndex
 
-    Floats = NDArray[np.float64]
-    Indices = NDArray[np.intp]
 
 AROUND = 32.0
 """Pixels around a place within which what looks as right is counted."""
@@ -42,7 +41,7 @@ FEW = 0.5
 
 
 @dataclass(frozen=True)
-class SidePairs:
+class SidePairs(Columns):
     """``place``, ``datum`` (N,) and how far off each datum is.
 
     ``turned`` (N,) radians by which it faces another way; ``off``, ``along`` (N,) pixels across the line and along it;
@@ -55,10 +54,6 @@ class SidePairs:
     off: Floats
     along: Floats
     colours: NDArray[np.float32]
-
-    def only(self, which: NDArray[np.bool_]) -> SidePairs:
-        """Those of a mask (N,)."""
-        return SidePairs(*(getattr(self, name.name)[which] for name in fields(self)))
 
     def usual(self, reach: Floats | float, count: int) -> Floats:
         """(count,) sides per pixel² that look right around each place, those aside that are within its ``reach`` (count,) pixels of its line."""
@@ -170,7 +165,7 @@ class SideMatches:
 
 
 def side_matches(
-    index: LearnedIndex, posed: Hypothesis, data: Data, lobes: Indices, free: NDArray[np.bool_], reach: Floats
+    index: LearnedIndex, posed: Hypothesis, data: Data, lobes: Indices, free: Mask, reach: Floats
 ) -> SideMatches:
     """Of the appearances ``lobes``, which hold the viewpoint, those of sides in the image.
 
@@ -182,9 +177,9 @@ def side_matches(
     angle = screen_angle(index.cloud.up[lobes] @ posed.camera_from_object[:3, :3].T, posed.at[feature])
     inward = np.column_stack([np.cos(angle), np.sin(angle)])
     pairs, within = side_pairs(index, data, lobes, posed.uv[feature], angle), reach[feature]
-    pairs = pairs.only(free[pairs.datum])
+    pairs = pairs.take(free[pairs.datum])
     usual = pairs.usual(within, len(lobes))
-    mine = pairs.only((np.abs(pairs.off) <= within[pairs.place]) & (np.abs(pairs.along) <= ALONG))
+    mine = pairs.take((np.abs(pairs.off) <= within[pairs.place]) & (np.abs(pairs.along) <= ALONG))
     place, datum = mine.place, mine.datum
     rare = (
         _facing(mine.turned)
@@ -192,8 +187,7 @@ def side_matches(
         / (2.0 * ALONG)
         / usual[place]
     )
-    worth = np.log(rare) - 0.5 * (mine.off / NEARER) ** 2
-    chosen = _one_to_one(feature[place], datum, worth)
+    chosen = _one_to_one(feature[place], datum, np.log(rare) - 0.5 * (mine.off / NEARER) ** 2)
     of = place[chosen]
     many = len(of) >= max(FEW_SIDES, MANY * len(np.unique(feature)))
     pattern = share_elsewhere(posed.uv[feature[of]], angle[of], index.looks[lobes[of]], data) if many else 0.0

@@ -9,31 +9,22 @@ turned.
 * ``TypedData``: the data of each appearance type, one after the other
 """
 
-from __future__ import annotations
-
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 from math import atan2, fsum
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
+from geometry.arrays import Floats, Indices, Mask
+from geometry.camera import Camera
+from kb.clouds.cloud import Rates
 from plogic.base.clock import unhurried
-from plogic.match.gamma.data import centre_of, ideal_camera
-
-if TYPE_CHECKING:
-    from collections.abc import Callable, Sequence
-
-    from numpy.typing import NDArray
-
-    from geometry.camera import Camera
-    from kb.clouds.cloud import Rates
-    from plogic.match.gamma.data import Data
-    from plogic.match.oriented.angle_refinement import Noise
-    from plogic.match.oriented.pair_index import PairIndex
-
-    Floats = NDArray[np.float64]
-    Indices = NDArray[np.intp]
+from plogic.match.gamma.data import Data, centre_of, ideal_camera
+from plogic.match.oriented.oriented_match import Noise
+from plogic.match.oriented.pair_index import PairIndex
 
 
 @dataclass(frozen=True, eq=False)
@@ -73,7 +64,7 @@ NOWHERE = 1e-6
 direction."""
 
 
-def turn_of(data: Data, which: NDArray[np.bool_]) -> float:
+def turn_of(data: Data, which: Mask) -> float:
     """Radians, clockwise on the screen from +x, to the mean of the data ``which`` (A,), from the image's centre.
 
     0 where they have none.
@@ -141,7 +132,7 @@ class Asked:
         """Γ by what its data look like."""
         return typed_data(self.data, self.index.looks)
 
-    def of(self, left: Data) -> Asked:
+    def of(self, left: Data) -> "Asked":
         """The same, of what is ``left`` of the data."""
         return replace(self, data=left)
 
@@ -150,12 +141,12 @@ class Asked:
         """That of the ideal image, in which all is compared."""
         return ideal_camera(self.data.camera)
 
-    def upright(self) -> Asked:
+    def upright(self) -> "Asked":
         """The same, turned to where its data say."""
         turn = turn_of(self.data, (self.typed.looks >= 0) & np.isfinite(self.data.angle))
         return replace(self, data=turned(self.data, -turn), turn=self.turn - turn)
 
-    def inside(self, uv: Floats) -> NDArray[np.bool_]:
+    def inside(self, uv: Floats) -> Mask:
         """(N,) whether ideal pixels (N, 2), turned as the data are, are in the image."""
         back = places_turned(uv, centre_of(self.camera), -self.turn) if self.turn else uv
         return np.asarray(((back >= 0.0) & (back < [self.camera.width, self.camera.height])).all(axis=1))

@@ -1,36 +1,37 @@
 """What Γ says of poses, softly: each sight is drawn to every datum that looks like it, as much as that is likely to be its own.
 
 The evidence of a pose is what ``plogic.match.judged.evidence`` says of it, but summed over what a datum may be of, at
-all poses about it together (``plogic.match.judged.pose_information``), and, to begin with, with a noise as wide as the
+all poses about it together (``plogic.match.judged.evidence``), and, to begin with, with a noise as wide as the
 pose may be off: then it is smooth, and a pose can be moved towards it.
+
+Poses climb that evidence: what draws them moves them, again and again, and the last on the way that is as good as any
+is kept. Sets of four (§6.3): of all that may draw a pose some is clutter; so each four of it draw it by themselves, as
+if the rest were not there. Where few data are an object's own, a pose that is drawn to the middle of right and wrong
+ones climbs to neither.
 
 * ``drawn(asked, kind, poses, share)``: of any number of poses at once
 * ``shown(index, kind, poses)``: the sights that poses show: those whose lobe holds the viewpoint, of features that a
   cell near it shows
+* ``climbed(asked, kind, poses, share, steps)``: any number of poses
+* ``by_fours(asked, kind, poses, share)``: the poses that come of sets of four
 """
 
-from __future__ import annotations
-
-from typing import TYPE_CHECKING, NamedTuple
+from itertools import combinations
+from typing import NamedTuple
 
 import numpy as np
 
+from geometry.arrays import Floats, Indices
 from geometry.poses.reprojection import information
 from kb.clouds.lobes import GRAIN
 from plogic.match.gamma.data import centre_of, viewpoints_of
-from plogic.match.gamma.screen_angles import screen_angle, wrapped
-from plogic.match.judged.pose_information import share_of
-from plogic.match.oriented.angle_refinement import Held, Noise, met
+from plogic.match.gamma.grid import screen_angle, wrapped
+from plogic.match.judged.evidence import share_of
+from plogic.match.judged.expectation import AS_GOOD
+from plogic.match.oriented.asked import Asked
+from plogic.match.oriented.oriented_match import Held, Noise, met, refined
+from plogic.match.oriented.pair_index import PairIndex
 from plogic.match.oriented.pair_votes import BENT
-
-if TYPE_CHECKING:
-    from numpy.typing import NDArray
-
-    from plogic.match.oriented.asked import Asked
-    from plogic.match.oriented.pair_index import PairIndex
-
-    Floats = NDArray[np.float64]
-    Indices = NDArray[np.intp]
 
 NEAR = 3
 """Cells about a viewpoint: what any of them shows is shown, if its lobe holds the viewpoint; what a cell shows, a lobe
@@ -57,8 +58,7 @@ def shown(index: PairIndex, kind: Indices, poses: Floats) -> Shown:
     seen = np.zeros((len(kind), lobes.feature.shape[1]), bool)
     for one in np.unique(kind):
         rows, count = np.flatnonzero(kind == one), lobes.own[one]
-        visible = index.cells[one].visible[cells[rows]].any(axis=1)
-        seen[rows, :count] = visible[:, lobes.feature[one, :count]]
+        seen[rows, :count] = index.cells[one].visible[cells[rows]].any(axis=1)[:, lobes.feature[one, :count]]
     pose, lobe = np.nonzero(seen)
     own = kind[pose], lobe
     feature = lobes.feature[own]
@@ -180,11 +180,9 @@ def _held(sights: _Sights, pairs: _Pairs, part: Floats, weight: Floats, poses: i
     """
     count = len(weight)
     some = np.flatnonzero(weight > LEAST)
-    shares = 1.0 / weight[some]
-    away = np.column_stack(
-        [np.bincount(pairs.sight, part * pairs.away[:, axis], count)[some] * shares for axis in (0, 1)]
+    right, down, bent = (
+        np.bincount(pairs.sight, part * off, count)[some] * (1.0 / weight[some]) for off in (*pairs.away.T, pairs.bent)
     )
-    angle = sights.angle[some] + np.bincount(pairs.sight, part * pairs.bent, count)[some] * shares
     row = sights.pose[some]
     each = np.bincount(row, minlength=poses)
     column = np.arange(len(some)) - np.repeat(np.cumsum(each) - each, each)
@@ -194,12 +192,8 @@ def _held(sights: _Sights, pairs: _Pairs, part: Floats, weight: Floats, poses: i
         table[row, column] = values
         return table
 
-    return Held(
-        *(
-            padded(values)
-            for values in (sights.points[some], sights.turns[some], sights.uv[some] + away, angle, weight[some])
-        )
-    )
+    uv, angle = sights.uv[some] + np.column_stack([right, down]), sights.angle[some] + bent
+    return Held(*map(padded, (sights.points[some], sights.turns[some], uv, angle, weight[some])))
 
 
 def _freedom(asked: Asked, kind: Indices, poses: Floats, held: Held, noise: Noise, sigma: Floats) -> Floats:
@@ -210,3 +204,84 @@ def _freedom(asked: Asked, kind: Indices, poses: Floats, held: Held, noise: Nois
     at[weight <= 0.0] = [0.0, 0.0, 1.0]
     middle[:, 2] = np.maximum(middle[:, 2], NEAREST)
     return share_of(information(at, middle, weight, asked.camera, across), middle[:, 2], asked.camera)
+
+
+BLOCK, PAIRS, LEAST_DATA = 2000, 4_000_000, 16
+"""Poses at a time, and sights and data that are compared, about; a sight is as much as so many data at least."""
+STILL = 1e-8
+"""Metres, and entries of the rotation, by which a pose moves that has arrived."""
+
+
+def climbed(
+    asked: Asked, kind: Indices, poses: Floats, share: float, steps: int, squares: int = 1
+) -> tuple[Floats, Floats, Floats]:
+    """Poses (N, 4, 4) of types ``kind`` (N,) after so many steps or fewer.
+
+    Their evidence (N,), and how many sights are likely matched (N,).
+
+    Their sights may be off by a ``share`` of the diameter. A step is so many ``squares``, steps of least squares,
+    towards what draws the pose.
+    """
+    each = asked.index.sights.looks.shape[2] * max(LEAST_DATA, int(asked.typed.count.max(initial=0)))
+    wide = max(1, min(BLOCK, PAIRS // max(1, each)))
+    blocks = [(poses[:0], np.zeros(0), np.zeros(0))]
+    for start in range(0, len(kind), wide):
+        asked.check()
+        blocks.append(_block(asked, kind[start : start + wide], poses[start : start + wide], share, steps, squares))
+    moved, worth, likely = (np.concatenate(rows) for rows in zip(*blocks, strict=True))
+    return moved, worth, likely
+
+
+def _block(
+    asked: Asked, kind: Indices, poses: Floats, share: float, steps: int, squares: int
+) -> tuple[Floats, Floats, Floats]:
+    best, worth, likely = poses.copy(), np.full(len(poses), -np.inf), np.zeros(len(poses))
+    most, going = worth.copy(), np.arange(len(poses))
+    for step in range(steps + 1):
+        here = drawn(asked, kind[going], poses, share)
+        better = here.worth > most[going] - AS_GOOD
+        most[going] = np.maximum(most[going], here.worth)
+        at = going[better]
+        best[at], worth[at], likely[at] = poses[better], here.worth[better], here.likely[better]
+        if step == steps:
+            break
+        moved = refined(poses, here.held, here.noise, asked.camera, steps=squares, sigma=here.sigma)
+        further = np.abs(moved - poses).max(axis=(1, 2)) > STILL
+        poses, going = moved[further], going[further]
+        if not len(going):
+            break
+    return best, worth, likely
+
+
+OF = 7
+"""Fours are of so many sights of a pose, the likeliest."""
+LIKELY = 0.005
+"""How likely a sight is matched at least."""
+STEPS = 6
+"""Of least squares."""
+FOURS_BLOCK = 500
+"""Poses at a time."""
+_FOURS = np.array(list(combinations(range(OF), 4)))
+
+
+def by_fours(asked: Asked, kind: Indices, poses: Floats, share: float) -> tuple[Indices, Floats]:
+    """Types (M,) and poses (M, 4, 4), M ≤ 35 N, of poses (N, 4, 4) of types ``kind`` (N,) whose sights may be off by a ``share`` of the diameter."""
+    blocks = [
+        _block_of_fours(asked, kind[start : start + FOURS_BLOCK], poses[start : start + FOURS_BLOCK], share)
+        for start in range(0, len(kind), FOURS_BLOCK)
+    ]
+    return np.concatenate([kind[:0], *(own for own, _ in blocks)]), np.concatenate([poses[:0], *(p for _, p in blocks)])
+
+
+def _block_of_fours(asked: Asked, kind: Indices, poses: Floats, share: float) -> tuple[Indices, Floats]:
+    asked.check()
+    held = drawn(asked, kind, poses, share).held
+    weight = np.pad(held.weight, ((0, 0), (0, max(0, OF - held.weight.shape[1]))))
+    column = np.argsort(-weight, axis=1, kind="stable")[:, _FOURS]  # (N, 35, 4)
+    some = (weight[np.arange(len(kind))[:, None, None], column] > LIKELY).all(axis=2)
+    of, four = np.nonzero(some)[0], column[some]
+    if not len(of):
+        return kind[:0], poses[:0]
+    rows = of[:, None], four
+    alone = Held(held.points[rows], held.turns[rows], held.uv[rows], held.angle[rows], np.ones(four.shape))
+    return kind[of], refined(poses[of], alone, asked.noise, asked.camera, steps=STEPS)

@@ -1,34 +1,89 @@
-"""Expected and Detected of a type by hand at a pose (D7, D8), where a detector's angles count: what lies at another angle is not right."""
+"""Expected and Detected of a type by hand at a pose (D7, D8), where a detector's angles count: what lies at another angle is not right.
 
-from __future__ import annotations
+Least squares are on places and angles: an angle tells how a feature is turned in space, most where its x axis leads out
+of the image plane.
+"""
 
 from dataclasses import replace
-from typing import TYPE_CHECKING
+from typing import NamedTuple
 
 import numpy as np
 
-from geometry.poses.refine import Sight
-from plogic.base.clock import unhurried
-from plogic.match.gamma.screen_angles import screen_angle, wrapped
-from plogic.match.judged.alike import distinct
-from plogic.match.judged.evidence import evidence
-from plogic.match.judged.expectation import matched, pose_of
-from plogic.match.judged.settling import FEWEST, settled, with_depths
-from plogic.match.oriented.angle_refinement import Held, Noise, met, refined
-from plogic.match.oriented.climb import AS_GOOD
+from geometry.arrays import Floats, Mask
+from geometry.camera import Camera
+from geometry.poses.refine import Sight, Steps, refined_poses
+from geometry.poses.reprojection import WEIGHT, across, ends, reach
+from kb.clouds.cloud import KnowledgeBase
+from plogic.facts.hypothesis import Hypothesis
+from plogic.match.gamma.data import Data
+from plogic.match.gamma.grid import screen_angle, wrapped
+from plogic.match.hand.hand_models import TypeIndex
+from plogic.match.judged.expectation import FEWEST, matched, of_matches, pose_of, with_depths
 
-if TYPE_CHECKING:
-    from collections.abc import Callable, Sequence
 
-    from numpy.typing import NDArray
+class Noise(NamedTuple):
+    """Standard deviations: ``pixels`` of a datum's place along one axis, ``angle`` of its angle, radians."""
 
-    from kb.clouds.cloud import KnowledgeBase
-    from plogic.facts.hypothesis import Hypothesis
-    from plogic.match.gamma.data import Data
-    from plogic.match.hand.hand_models import TypeIndex
+    pixels: float
+    angle: float
 
-    Floats = NDArray[np.float64]
-    Flags = NDArray[np.bool_]
+
+class Held(NamedTuple):
+    """V matches that hold each of N poses.
+
+    ``points``, ``turns`` (N, V, 3) places and x axes of the features, object frame; ``uv`` (N, V, 2) pixels, ``angle``
+    (N, V) rad, NaN where a datum has none; ``weight`` (N, V), 0 where there is no match, else 1, or more where a place
+    is more exact.
+    """
+
+    points: Floats
+    turns: Floats
+    uv: Floats
+    angle: Floats
+    weight: Floats
+
+
+def refined(
+    poses: Floats,
+    held: Held,
+    noise: Noise,
+    camera: Camera,
+    *,
+    steps: int,
+    robust: float | None = None,
+    sigma: Floats | None = None,
+) -> Floats:
+    """(N, 4, 4) from poses (N, 4, 4); a residual beyond ``robust`` times the noise of places weighs less.
+
+    ``sigma`` (N,): the noise of places of each pose, pixels, in place of that of all.
+    """
+    points, uv, weight, lines = met(poses, held, noise, camera, sigma)
+    huber = None if robust is None else robust * noise.pixels
+    return refined_poses(poses, points, uv, weight, camera, Steps(steps), huber=huber, across=lines)
+
+
+def met(
+    poses: Floats, held: Held, noise: Noise, camera: Camera, sigma: Floats | None = None
+) -> tuple[Floats, Floats, Floats, Floats]:
+    """What poses (N, 4, 4) are to meet, of places and then of angles, as ``refined_poses`` takes it.
+
+    ``sigma`` as in ``refined``.
+
+    Points (N, 2 V, 3) m, pixels (N, 2 V, 2), weights (N, 2 V) 1/pixel², and unit vectors across lines (N, 2 V, 2).
+    """
+    pixels = np.full((len(poses), 1), noise.pixels) if sigma is None else sigma[:, None]
+    sided = np.isfinite(held.angle) & (held.weight > 0.0)
+    lines = across(np.where(sided, held.angle, 0.0))
+    depth = np.einsum("nj,nvj->nv", poses[:, 2, :3], held.points) + poses[:, None, 2, 3]
+    return (
+        np.concatenate(
+            [held.points, ends(held.points, held.turns, depth, reach(pixels, noise.angle) / camera.f)], axis=1
+        ),
+        np.concatenate([held.uv, held.uv], axis=1),
+        np.concatenate([held.weight, held.weight * sided * WEIGHT], axis=1) / pixels**2,
+        np.concatenate([np.full(lines.shape, np.nan), lines], axis=1),
+    )
+
 
 DEVIATIONS = 3.0
 """Standard deviations within which an angle is right."""
@@ -38,38 +93,14 @@ ROBUST = 3.0
 """Standard deviations of a place beyond which a match weighs less."""
 
 
-def settle(
-    index: TypeIndex,
-    pose: Floats | Hypothesis,
-    data: Data,
-    kb: KnowledgeBase,
-    free: Flags | None = None,
-    hidden: Flags | None = None,
-    rounds: int = 2,
-) -> Hypothesis:
-    """The type at a pose, or one that is matched there already: matched, refined on places and angles, and matched again."""
-    allowed = index.allowed(data)
-
-    def match(pose: Floats) -> Hypothesis:
-        return matched_at(index, pose, data, kb, allowed, free, hidden)
-
-    def better(posed: Hypothesis) -> Floats | None:
-        return polished(index, posed, data, kb, hidden)
-
-    def worth(posed: Hypothesis) -> float:
-        return evidence(posed, data, kb, hidden).surplus
-
-    return settled(pose, match, better, rounds, worth, AS_GOOD)
-
-
 def matched_at(
     index: TypeIndex,
     pose: Floats,
     data: Data,
     kb: KnowledgeBase,
-    allowed: Flags,
-    free: Flags | None = None,
-    hidden: Flags | None = None,
+    allowed: Mask,
+    free: Mask | None = None,
+    hidden: Mask | None = None,
 ) -> Hypothesis:
     """Matched with what is near, of a right type and at a right angle; a datum without an angle is right at any.
 
@@ -79,33 +110,23 @@ def matched_at(
     sigma = kb.rates.sigma_angle
     posed = pose_of(index.object_type, pose, data, kb)
     axes = index.turns @ pose[:3, :3].T
-    turn = screen_angle(axes, posed.at)
-    off = wrapped(data.angle[None] - turn[:, None])
+    off = wrapped(data.angle[None] - screen_angle(axes, posed.at)[:, None])
     right = ~(np.abs(off) > DEVIATIONS * sigma)
-    posed = matched(
-        replace(posed, right=posed.right & right), data, allowed & right, kb.rates.match_tolerance, free, hidden
-    )
-    own = (
-        np.take_along_axis(off, np.maximum(posed.matches, 0)[:, None], axis=1)[:, 0]
-        if len(data.ids)
-        else np.full(len(turn), np.nan)
-    )
+    posed = replace(posed, right=posed.right & right)
+    posed = matched(posed, data, allowed & right, kb.rates.match_tolerance, free, hidden)
+    own = of_matches(off, posed.matches)
     bell = np.exp(-0.5 * (own / sigma) ** 2) * np.sqrt(2.0 * np.pi) / sigma
-    count = np.isfinite(
-        data.whole.angle
-    ).any()  # else nothing is searched for by angles either, and is to be as sure as without
-    return replace(posed, likeness=np.where(posed.detected & np.isfinite(own), bell, 1.0), axes=axes if count else None)
+    # Where no datum has an angle nothing is searched for by angles either, and is to be as sure as without.
+    count = np.isfinite(data.whole.angle).any()
+    return replace(posed, likeness=np.where(np.isfinite(own), bell, 1.0), axes=axes if count else None)
 
 
-def polished(index: TypeIndex, posed: Hypothesis, data: Data, kb: KnowledgeBase, hidden: Flags | None) -> Floats | None:
+def polished(index: TypeIndex, posed: Hypothesis, data: Data, kb: KnowledgeBase, hidden: Mask | None) -> Floats | None:
     """Least squares (4, 4) on places and angles of the expected features that were detected, or None where they are fewer than ``FEWEST``."""
-    used = posed.candidate & posed.detected
-    used = used if hidden is None else used & ~hidden
+    used = posed.expected(hidden) & posed.detected
     if used.sum() < FEWEST or kb.rates.sigma_angle is None:
         return None
-    names = [feature.type for feature in index.object_type.features]
-    weight = np.array([(kb.rates.sigma / kb.rates.sigma_of(name)) ** 2 for name in names])[used]
-    datum = posed.matches[used]
+    datum, weight = posed.matches[used], index.precision(kb.rates)[used]
     held = Held(
         *(rows[None] for rows in (index.points[used], index.turns[used], data.uv[datum], data.angle[datum], weight))
     )
@@ -113,30 +134,5 @@ def polished(index: TypeIndex, posed: Hypothesis, data: Data, kb: KnowledgeBase,
     new = refined(posed.camera_from_object[None], held, noise, data.camera, steps=STEPS, robust=ROBUST)
     if data.depth is None:
         return np.asarray(new[0])
-    points, uv, weights, across = (rows[0] for rows in met(new, held, noise, data.camera))
-    seen = Sight(data.camera, np.eye(4), points, uv, weights, across)
-    return with_depths(new[0], seen, index.points[used], datum, data, sigma=noise.pixels, huber=ROBUST * noise.pixels)
-
-
-def verified(
-    index: TypeIndex,
-    poses: Sequence[Floats],
-    data: Data,
-    kb: KnowledgeBase,
-    hidden_of: Callable[[Hypothesis], Flags] | None = None,
-    check: Callable[[], None] = unhurried,
-) -> list[tuple[float, Hypothesis]]:
-    """Rays cast, matched and settled: the distinct ones as (log-likelihood ratio against clutter, hypothesis), best first.
-
-    ``hidden_of`` tells (F,) which features of a hypothesis accepted objects hide; ``check`` is called before each, and
-    may raise to end it.
-    """
-    found = []
-    for pose in poses:
-        check()
-        posed = settle(index, pose, data, kb, rounds=0)
-        hidden = np.zeros(len(index.points), bool) if hidden_of is None else hidden_of(posed)
-        posed = settle(index, pose if hidden.any() else posed, data, kb, None, hidden, rounds=1)
-        if (posed.candidate & posed.detected & ~hidden).sum() >= FEWEST:
-            found.append((evidence(posed, data, kb, hidden).ratio, posed))
-    return distinct(sorted(found, key=lambda pair: -pair[0]), index.object_type)
+    seen = Sight(data.camera, np.eye(4), *(rows[0] for rows in met(new, held, noise, data.camera)))
+    return with_depths(new[0], seen, datum, data, sigma=noise.pixels, huber=ROBUST * noise.pixels)

@@ -3,30 +3,21 @@
 * ``Search``: that in one Γ, again and again, on what is not claimed yet
 """
 
-from __future__ import annotations
-
+from dataclasses import dataclass
 from functools import cached_property
-from typing import TYPE_CHECKING, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 
+from geometry.arrays import Floats, Indices
+from plogic.match.gamma.data import Columns, Data
 from plogic.match.hand.extend import poses_about
-from plogic.match.judged.alike import apart
-from plogic.match.oriented.asked import poses_turned
-from plogic.match.oriented.climb import by_fours, climbed
-from plogic.match.oriented.pair_votes import counted, raw_votes
+from plogic.match.judged.rivals import apart
+from plogic.match.oriented.asked import Asked, poses_turned
+from plogic.match.oriented.drawn import by_fours, climbed
+from plogic.match.oriented.pair_index import PairIndex
+from plogic.match.oriented.pair_votes import Raw, Votes, counted, raw_votes
 from plogic.match.oriented.single_votes import FEWEST, single_votes
-
-if TYPE_CHECKING:
-    from numpy.typing import NDArray
-
-    from plogic.match.gamma.data import Data
-    from plogic.match.oriented.asked import Asked
-    from plogic.match.oriented.pair_index import PairIndex
-    from plogic.match.oriented.pair_votes import Raw, Votes
-
-    Floats = NDArray[np.float64]
-    Indices = NDArray[np.intp]
 
 ALIKE = float(np.radians(15.0)), 0.08
 """Two poses of a type are alike that differ by less, radians, and share of the distance."""
@@ -99,7 +90,8 @@ class Proposal(NamedTuple):
     worth: float
 
 
-class _Posed(NamedTuple):
+@dataclass(frozen=True)
+class _Posed(Columns):
     """N poses of types ``kind`` (N,), of ``worth`` (N,).
 
     ``likely`` (N,) how many of their sights are matched, about.
@@ -109,10 +101,6 @@ class _Posed(NamedTuple):
     poses: Floats
     worth: Floats
     likely: Floats
-
-    def take(self, which: Indices | list[int]) -> _Posed:
-        """Those at ``which``."""
-        return _Posed(self.kind[which], self.poses[which], self.worth[which], self.likely[which])
 
 
 class Search:
@@ -157,11 +145,8 @@ class Search:
     def tilted(self, name: str, pose: Floats, left: Data) -> list[Floats]:
         """The best poses (4, 4) that come of a type's pose at other tilts, in what is ``left`` of the data."""
         kind = next(i for i, index in enumerate(self.index.indices) if index.object_type.name == name)
-        one = np.array([kind])
-        free = np.isin(np.arange(len(self.asked.data.ids)), left.rows)
-        found = _tilted(
-            self.asked.of(self.asked.data.only(free)), one, poses_turned(pose, self.asked.turn)[None], MORE_TILTS
-        )
+        asked = self.asked.of(self.asked.data.only(np.isin(np.arange(len(self.asked.data.ids)), left.rows)))
+        found = _tilted(asked, np.array([kind]), poses_turned(pose, asked.turn)[None], MORE_TILTS)
         return list(poses_turned(found.take(_apart(self.index, found, TILTS_KEPT)).poses, -self.asked.turn))
 
 
@@ -183,14 +168,13 @@ def _proposals(asked: Asked, votes: Votes, width: Width) -> list[Proposal]:
     for each in width.rounds:
         found = _climbed(asked, found.kind, found.poses, each)
         found = found.take(_apart(asked.index, found, each.most))
-    best = found.take(np.arange(len(found.kind))[: width.tilted])
-    tilted = _tilted(asked, best.kind, best.poses, [TILT])
-    found = _Posed(*(np.concatenate(rows) for rows in zip(found, tilted, strict=True)))
+    best = found.take(slice(width.tilted))
+    found = _Posed.joined([found, _tilted(asked, best.kind, best.poses, [TILT])])
     found = found.take(_apart(asked.index, found, len(found.kind)))
     if width.fours:
         found = _with_fours(asked, found, width.fours)
-    rows = zip(found.kind, found.poses, found.worth, found.likely, strict=True)
-    return [Proposal(int(kind), pose, float(worth)) for kind, pose, worth, likely in rows if likely > FEWEST - 1]
+    sure = found.take(found.likely > FEWEST - 1)
+    return [Proposal(*row) for row in zip(sure.kind.tolist(), sure.poses, sure.worth.tolist(), strict=True)]
 
 
 def _climbed(asked: Asked, kind: Indices, poses: Floats, each: Round) -> _Posed:
@@ -209,11 +193,10 @@ def _tilted(asked: Asked, kind: Indices, poses: Floats, tilts: Floats | list[flo
 
 def _with_fours(asked: Asked, found: _Posed, most: int) -> _Posed:
     """The best of some poses and of what comes of all sets of four that may draw the first of them."""
-    of = found.take(np.arange(len(found.kind))[:most])
+    of = found.take(slice(most))
     fours = _climbed(asked, *by_fours(asked, of.kind, of.poses, FOURS.share), Round(0.0, FOURS.steps, 0))
     fours = fours.take(np.argsort(-fours.worth, kind="stable")[: FOURS.most])
-    both = zip(found, _climbed(asked, fours.kind, fours.poses, FEW), strict=True)
-    found = _Posed(*(np.concatenate(rows) for rows in both))
+    found = _Posed.joined([found, _climbed(asked, fours.kind, fours.poses, FEW)])
     return found.take(_apart(asked.index, found, FEW.most))
 
 

@@ -8,31 +8,22 @@ cell, roll, scale and place at once.
 * ``PairIndex``: E pairs of all types, sorted by key
 """
 
-from __future__ import annotations
-
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
-from typing import TYPE_CHECKING, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
+from geometry.arrays import Floats, Indices, Mask
+from kb.clouds.cloud import ObjectType
 from kb.clouds.lobes import in_lobe
 from plogic.base.errors import InputError
-from plogic.match.gamma.grid import taken
-from plogic.match.gamma.screen_angles import part_of_circle, screen_angle
-from plogic.match.hand.view_cells import DISTANCE
-
-if TYPE_CHECKING:
-    from collections.abc import Mapping, Sequence
-
-    from numpy.typing import NDArray
-
-    from kb.clouds.cloud import ObjectType
-    from plogic.match.hand.hand_models import TypeIndex
-    from plogic.match.hand.view_cells import ViewCells
-
-    Floats = NDArray[np.float64]
-    Indices = NDArray[np.intp]
+from plogic.match.gamma.data import Columns
+from plogic.match.gamma.grid import part_of_circle, screen_angle, taken
+from plogic.match.hand.hand_models import TypeIndex
+from plogic.match.hand.view_cells import DISTANCE, ViewCells
 
 NOTHING = -1
 
@@ -61,7 +52,7 @@ def sights_of(indices: Sequence[TypeIndex], number_of: Mapping[str, int]) -> Sig
     rows = [_of_type(index, number_of) for index in indices]
     most = max((row[0].shape[1] for row in rows), default=0)
 
-    def stacked(column: int, empty: float) -> NDArray[np.float64]:
+    def stacked(column: int, empty: float) -> Floats:
         arrays = [row[column] for row in rows]
         return np.stack(
             [
@@ -76,7 +67,7 @@ def sights_of(indices: Sequence[TypeIndex], number_of: Mapping[str, int]) -> Sig
     )  # fmt: skip
 
 
-def _of_type(index: TypeIndex, number_of: Mapping[str, int]) -> tuple[NDArray[np.float64], ...]:
+def _of_type(index: TypeIndex, number_of: Mapping[str, int]) -> tuple[Floats, ...]:
     """Features, looks, places and angles (C, V, ...) of one type's cells, padded on the right."""
     cells, table = index.cells, index.object_type.lobes
     viewpoints = cells.centre + DISTANCE * cells.diameter * cells.directions
@@ -250,7 +241,8 @@ class PairIndex:
         return query[near], np.asarray(self.entry)[at[near]], off[near]
 
 
-class Said(NamedTuple):
+@dataclass(frozen=True)
+class Said(Columns):
     """What entries (N,) say: ``kind`` type, ``cell``, ``line`` rad of the way from the first to the second on the cell's screen, its ``length``.
 
     ``place`` (N, 2): where the first is there, from the object's middle. Lengths and places in diameters.
@@ -261,10 +253,6 @@ class Said(NamedTuple):
     line: Floats
     length: Floats
     place: Floats
-
-    def take(self, index: Indices) -> Said:
-        """What those at ``index`` say."""
-        return Said(self.kind[index], self.cell[index], self.line[index], self.length[index], self.place[index])
 
 
 def said(entry: NDArray[np.uint64]) -> Said:
@@ -330,7 +318,7 @@ def _pairs(sights: Sights, kind: int, count: int) -> tuple[NDArray[np.int64], ND
     return key, entry, np.column_stack([part_of_circle(turn, FINE) for turn in turned]).astype(np.uint8)
 
 
-def _near(xy: Floats, looks: NDArray[np.int32]) -> NDArray[np.bool_]:
+def _near(xy: Floats, looks: NDArray[np.int32]) -> Mask:
     """(C, V, V) the neighbours in each cell, the one of lower looks first; of equal looks both ways round."""
     apart = ((xy[:, :, None] - xy[:, None]) ** 2).sum(axis=3)
     nobody = looks < 0

@@ -4,27 +4,17 @@
 * ``Raw``: those of all pairs, before they are counted
 """
 
-from __future__ import annotations
-
-from dataclasses import dataclass, fields, replace
-from typing import TYPE_CHECKING
+from dataclasses import dataclass, replace
 
 import numpy as np
+from numpy.typing import NDArray
 
-from plogic.match.gamma.data import centre_of
-from plogic.match.gamma.screen_angles import wrapped
+from geometry.arrays import Floats, Indices, Mask
+from plogic.match.gamma.data import Columns, Data, centre_of
+from plogic.match.gamma.grid import wrapped
 from plogic.match.hand.view_cells import CELLS
 from plogic.match.learned.agreement import SIZES
-from plogic.match.oriented.pair_index import FINE, said
-
-if TYPE_CHECKING:
-    from numpy.typing import NDArray
-
-    from plogic.match.gamma.data import Data
-    from plogic.match.oriented.pair_index import PairIndex
-
-    Floats = NDArray[np.float64]
-    Indices = NDArray[np.intp]
+from plogic.match.oriented.pair_index import FINE, PairIndex, said
 
 REACH = 45.0
 """Pixels between neighbours in the image."""
@@ -55,7 +45,7 @@ CELL, ROLL, SCALE = 0.3, np.pi / 6, 0.35
 
 
 @dataclass(frozen=True)
-class Votes:
+class Votes(Columns):
     """``kind``, ``cell`` (N,); ``centre`` (N, 2) ideal pixels; ``roll`` (N,) rad; ``scale`` (N,) pixels a metre.
 
     ``weight`` (N,): that of the vote, ``WHOLE`` at most; once they are counted, that of all votes of its box, of each
@@ -68,10 +58,6 @@ class Votes:
     roll: Floats
     scale: Floats
     weight: Indices
-
-    def take(self, index: Indices) -> Votes:
-        """Those at ``index``."""
-        return Votes(*(getattr(self, field.name)[index] for field in fields(self)))
 
 
 @dataclass(frozen=True)
@@ -86,7 +72,7 @@ class Raw:
     pair: Indices
     boxes: NDArray[np.uint64]
 
-    def without(self, taken: NDArray[np.bool_]) -> Raw:
+    def without(self, taken: Mask) -> "Raw":
         """Those of pairs neither datum of which is ``taken`` (A,)."""
         some = np.flatnonzero(~taken[self.pair].any(axis=1))
         return Raw(self.votes.take(some), self.query[some], self.pair[some], self.boxes[:, some])
@@ -132,7 +118,7 @@ def raw_votes(index: PairIndex, looks: Indices, data: Data, sigma: float) -> Raw
     return Raw(votes, query, np.column_stack([one[query], other[query]]), boxes)
 
 
-def _as_wide(sizes: NDArray[np.float32], scale: Floats, per_metre: Floats) -> NDArray[np.bool_]:
+def _as_wide(sizes: NDArray[np.float32], scale: Floats, per_metre: Floats) -> Mask:
     """(N,) whether data of ``scale`` px, NaN where unknown, are as wide as ``sizes`` (2, N), m, the least and the most, at so many pixels a metre."""
     least, most = sizes
     return np.asarray(
@@ -154,18 +140,16 @@ def counted(raw: Raw) -> Votes:
         firsts = np.sort((cells << _ROW) | row)
         first = (firsts[_changes(firsts >> _ROW)] & ((np.uint64(1) << _ROW) - np.uint64(1))).astype(np.intp)
         weight[order[first]] = np.maximum(weight[order[first]], whole[of_box[first]])
-    some = np.flatnonzero(weight)
-    return replace(raw.votes, weight=weight).take(some)
+    return replace(raw.votes, weight=weight).take(np.flatnonzero(weight))
 
 
 def _fit(off: NDArray[np.uint8], sigma: float) -> Indices:
     """(N,) weights of votes the angles (N, 2) of which are off by so many ``FINE``ths of the circle: by a normal density, at least 1."""
-    steps = np.arange(FINE // 2 + 1) * (2.0 * np.pi / FINE)
-    bell = np.exp(-0.5 * (steps / np.hypot(sigma, BENT)) ** 2)
+    bell = np.exp(-0.5 * ((np.arange(FINE // 2 + 1) * (2.0 * np.pi / FINE)) / np.hypot(sigma, BENT)) ** 2)
     return np.asarray(np.maximum(1, np.rint(WHOLE * bell[off[:, 0]] * bell[off[:, 1]])).astype(np.intp))
 
 
-def _changes(values: Indices | NDArray[np.uint64]) -> NDArray[np.bool_]:
+def _changes(values: Indices | NDArray[np.uint64]) -> Mask:
     """(N,) whether each is another than the one before it."""
     return np.concatenate([np.ones(min(1, len(values)), bool), values[1:] != values[:-1]])
 

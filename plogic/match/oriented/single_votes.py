@@ -7,30 +7,21 @@ what these leave open.
 * ``single_votes``: the best poses by this, as ``Votes``
 """
 
-from __future__ import annotations
-
-from typing import TYPE_CHECKING, NamedTuple
+from collections.abc import Callable, Iterator
+from typing import NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
-from plogic.match.gamma.data import centre_of
-from plogic.match.oriented.asked import typed_data
+from geometry.arrays import Floats, Indices
+from plogic.match.gamma.data import Data, centre_of
+from plogic.match.oriented.asked import TypedData, typed_data
+from plogic.match.oriented.oriented_match import Noise
+from plogic.match.oriented.pair_index import PairIndex
 from plogic.match.oriented.pair_votes import BENT, LARGEST, Votes
 
-if TYPE_CHECKING:
-    from collections.abc import Callable, Iterator
-
-    from numpy.typing import NDArray
-
-    from plogic.match.gamma.data import Data
-    from plogic.match.oriented.angle_refinement import Noise
-    from plogic.match.oriented.asked import TypedData
-    from plogic.match.oriented.pair_index import PairIndex
-
-    Floats = NDArray[np.float64]
-    Singles = NDArray[np.float32]
-    Indices = NDArray[np.intp]
-    Keys = NDArray[np.uint32]
+Singles = NDArray[np.float32]
+Keys = NDArray[np.uint32]
 
 CELL, SCALE, TURNS = 0.15, 0.35, 14
 """Votes are of one place that lie within one box: diameters, logarithm of scale, parts of the circle."""
@@ -83,7 +74,7 @@ def single_votes(
     best: list[tuple[Floats, ...]] = []
     asked = matched = 0
     for kind in kinds:
-        count = _counts(index, int(kind), typed)
+        count = typed.count[index.sights.looks[kind]]  # of padding, −1, there is the last, of which there are none
         if matched + int(count.sum()) > MOST:
             continue
         asked, matched = asked + 1, matched + int(count.sum())
@@ -95,13 +86,6 @@ def single_votes(
     kind, cell, x, y, roll, scale, score = _best(best, most)
     weight = np.rint(score).astype(np.intp)
     return Votes(kind.astype(np.intp), cell.astype(np.intp), np.column_stack([x, y]), roll, scale, weight), asked
-
-
-def _counts(index: PairIndex, kind: int, typed: TypedData) -> Indices:
-    """(C, V) how many data look like each sight of a type."""
-    return np.asarray(
-        typed.count[index.sights.looks[kind]]
-    )  # of padding, −1, there is the last, of which there are none
 
 
 def _blocks(count: Indices) -> Iterator[slice]:
@@ -124,21 +108,17 @@ def _of_cells(
     matches = _matches(index, kind, cells, typed, centre)
     if not len(matches.cell):
         return found
-    sizes = np.exp(
-        np.arange(np.log(SMALLEST) + SCALE / 2.0, np.log(LARGEST * min(data.camera.width, data.camera.height)), SCALE)
-    )
-    area = float(data.camera.width * data.camera.height)
+    wide, high = data.camera.width, data.camera.height
+    sizes = np.exp(np.arange(np.log(SMALLEST) + SCALE / 2.0, np.log(LARGEST * min(wide, high)), SCALE))
     for offset in (0.0, 0.5):
         for size in sizes:
             rows, first = _boxed(matches, float(size), offset)
             if not len(rows):
                 continue
-            x, y, roll, score = _scored(matches, rows, first, float(size), area, noise)
-            where, scale = (
-                matches.cell[rows[first]].astype(float),
-                np.full(len(first), size / index.sights.diameter[kind]),
-            )
-            found.append((np.full(len(first), float(kind)), where, x + centre[0], y + centre[1], roll, scale, score))
+            x, y, roll, score = _scored(matches, rows, first, float(size), float(wide * high), noise)
+            where, scale = matches.cell[rows[first]].astype(float), size / index.sights.diameter[kind]
+            same = np.full(len(first), float(kind)), np.full(len(first), scale)
+            found.append((same[0], where, x + centre[0], y + centre[1], roll, same[1], score))
     return found
 
 
@@ -176,8 +156,7 @@ def _boxed(matches: _Matches, size: float, offset: float) -> tuple[Indices, Indi
     place = (keys * _SPREAD) >> np.uint32(32 - _BITS)
     rows = np.flatnonzero((np.bincount(place, minlength=1 << _BITS) >= FEWEST)[place])
     rows = rows[np.argsort(keys[rows], kind="stable")]
-    first = np.flatnonzero(np.diff(keys[rows].astype(np.int64), prepend=-1))
-    count = np.diff(first, append=len(rows))
+    count = np.diff(np.flatnonzero(np.diff(keys[rows].astype(np.int64), prepend=-1)), append=len(rows))
     full = count >= FEWEST
     rows, count = rows[np.repeat(full, count)], count[full]
     return rows, np.cumsum(count) - count

@@ -1,34 +1,75 @@
-"""Hand-modelled types searched for as the paper does, by sets of four, or by SoftPOSIT: slow, and what the fast searches are tested against."""
+"""Hand-modelled types searched for as the paper does, by sets of four, or by SoftPOSIT: slow, and what the fast searches are tested against.
 
-from __future__ import annotations
+SoftPOSIT takes random starts, for one type: pose and correspondence at once, where a feature may be any datum that
+looks like it (§6.2).
+"""
 
+from collections.abc import Callable, Generator, Mapping, Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, ClassVar
+from typing import ClassVar, Self
 
+import numpy as np
+
+from geometry.arrays import Floats, Mask
+from geometry.poses.softposit import Annealing, SoftPositResult, random_starts, softposit
+from kb.clouds.cloud import KnowledgeBase
 from plogic.base.clock import unhurried
-from plogic.match.hand.hand_models import HandModels, type_index
-from plogic.match.judged.alike import distinct
-from plogic.match.judged.evidence import evidence
-from plogic.match.judged.settling import FEWEST
-from plogic.match.judged.type_models import Search
-from plogic.match.oriented.ready import oriented_index
+from plogic.facts.hypothesis import Hypothesis
+from plogic.match.gamma.data import Data
+from plogic.match.hand.hand_models import HandModels, TypeIndex, type_index
+from plogic.match.judged.evidence import verified
+from plogic.match.judged.expectation import FEWEST
+from plogic.match.judged.type_models import Found, Given, Request, Search, Setup
+from plogic.match.oriented.oriented_models import oriented_index
 from plogic.match.plain import quadruples
-from plogic.match.plain import softposit_poses as softposit
+from plogic.match.plain.quadruples import Typed, extended, scene_of
 
-if TYPE_CHECKING:
-    from collections.abc import Callable, Generator, Mapping, Sequence
-    from typing import Self
+MOST = 128
+"""Random starts of a type."""
+STARTS = 16
+"""Starts at a time: annealed together they take less time than alone."""
+BETA = 2e-4
+"""1/pixel² at the start: what nobody knows is where in the image it stands."""
+SMALLEST, LARGEST = 40.0, 2.0
+"""Pixels across, and image heights, between which an object is looked for."""
+PROPOSED = 24
+"""Poses that are proposed."""
 
-    import numpy as np
-    from numpy.typing import NDArray
 
-    from kb.clouds.cloud import KnowledgeBase
-    from plogic.facts.hypothesis import Hypothesis
-    from plogic.match.gamma.data import Data
-    from plogic.match.hand.hand_models import TypeIndex
-    from plogic.match.judged.type_models import Found, Given, Request, Setup
+def by_softposit(
+    index: TypeIndex, data: Data, kb: KnowledgeBase, check: Callable[[], None] = unhurried
+) -> list[Floats]:
+    """Poses (4, 4) of a type, best first; none where no start converges.
 
-PLAIN = {"quadruples": quadruples.proposals, "softposit": softposit.proposals}
+    ``check`` is called between starts, and may raise to end the search.
+    """
+    scene, camera = scene_of(index, data, kb), data.camera
+    if (scene.pairs.numbers > 0).sum() < FEWEST:
+        return []
+    rng, xy, across = np.random.default_rng(0), camera.normalised(data.uv), index.cells.diameter
+    depth = camera.f * across / (LARGEST * camera.height), camera.f * across / SMALLEST
+    poses = [np.zeros((0, 4, 4))]
+    for _ in range(0, MOST, STARTS):
+        check()
+        found = annealed(scene.pairs, xy, rng, depth, noise=kb.rates.sigma, f=camera.f)
+        poses.append(found.camera_from_object[found.converged])
+    check()
+    return extended(scene, np.concatenate(poses), PROPOSED)
+
+
+def annealed(
+    pairs: Typed, xy: Floats, rng: np.random.Generator, depth: tuple[float, float], *, noise: float, f: float
+) -> SoftPositResult:
+    """What SoftPOSIT makes of the next ``STARTS`` random starts, the object between two depths, m.
+
+    ``noise`` and the focal length in pixels.
+    """
+    setting = Annealing(beta=BETA, noise=noise, pixel=1.0 / f)
+    start = random_starts(pairs.points, xy, STARTS, rng, depth=depth)
+    return softposit(pairs.points, xy, start, allowed=pairs.mask(len(xy)), annealing=setting)
+
+
+PLAIN = {"quadruples": quadruples.proposals, "softposit": by_softposit}
 """The plain generators of poses of one type, by name."""
 
 
@@ -83,7 +124,7 @@ def generate_plainly(
     index: TypeIndex,
     data: Data,
     kb: KnowledgeBase,
-    hidden_of: Callable[[Hypothesis], NDArray[np.bool_]],
+    hidden_of: Callable[[Hypothesis], Mask],
     check: Callable[[], None] = unhurried,
 ) -> Found:
     """The poses that a plain ``generator`` (a key of ``PLAIN``) proposes of a type, verified by matching, best first.
@@ -91,12 +132,4 @@ def generate_plainly(
     ``hidden_of`` tells (F,) which features of a hypothesis accepted objects hide. ``check`` is called between sets or
     starts, and before each pose is verified, and may raise to end the search.
     """
-    found = []
-    for pose in PLAIN[generator](index, data, kb, check):
-        check()
-        posed = index.settle(pose, data, kb, rounds=0)
-        hidden = hidden_of(posed)
-        posed = index.settle(pose if hidden.any() else posed, data, kb, hidden=hidden)
-        if (posed.candidate & posed.detected & ~hidden).sum() >= FEWEST:
-            found.append((evidence(posed, data, kb, hidden).ratio, posed))
-    return distinct(sorted(found, key=lambda pair: -pair[0]), index.object_type)
+    return verified(index, PLAIN[generator](index, data, kb, check), data, kb, hidden_of, check, rounds=2)

@@ -8,20 +8,14 @@ Vocabulary:
 * ``Account``, all that there is to say of one goal
 """
 
-from __future__ import annotations
-
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from plogic.base.errors import LimitError
 from plogic.facts.situation import Situation
 from plogic.logic.served.engine import Limits, ask, request_of
-from plogic.scene.asking.query import subject_text
-
-if TYPE_CHECKING:
-    from collections.abc import Sequence
-
-    from plogic.scene.asking.query import Subject
+from plogic.scene.asking.query import Subject, subject_text
 
 
 @dataclass(frozen=True)
@@ -36,7 +30,7 @@ class Reason:
 
     goal: str
     kind: str
-    children: tuple[Reason, ...] = ()
+    children: "tuple[Reason, ...]" = ()
     probability: float | None = None
 
 
@@ -133,7 +127,10 @@ def _explained(subject: Subject, goal: str, given: Sequence[str], most: int, lim
         tuple(_explanation(e) for e in reply["for"]),
         tuple(_explanation(e) for e in reply["against"]),
         None if reply["failure"] is None else _reason(reply["failure"]),
-        tuple(_miss(m) for m in reply["misses"]),
+        tuple(
+            Miss(m["goal"], m["rule"], m["failed"], m["probability"], tuple(map(_reason, m["conditions"])))
+            for m in reply["misses"]
+        ),
         _covered(reply["covered_for"]),
         _covered(reply["covered_against"]),
         reply["answers"],
@@ -160,11 +157,11 @@ def present(subject: Subject, goal: str, *, given: Sequence[str] = ()) -> Accoun
     for observed in given:
         scene.observe(observed)
     low, high = scene.marginals()[name]
-    lines: tuple[str, ...] = ()
-    if high > 0:
-        scene.observe(goal)
-        lines = presence(subject, name, scene.worlds(1).worlds[0].present)
-    return Account(goal, (low + high) / 2, (), (), None, summary=lines)
+    account = Account(goal, (low + high) / 2, (), (), None)
+    if high == 0:
+        return account
+    scene.observe(goal)
+    return replace(account, summary=presence(subject, name, scene.worlds(1).worlds[0].present))
 
 
 def _about(subject: Subject, goals: Sequence[str]) -> Subject:
@@ -183,16 +180,6 @@ def _about(subject: Subject, goals: Sequence[str]) -> Subject:
 def _explanation(entry: dict[str, Any]) -> Explanation:
     return Explanation(
         entry["goal"], entry["probability"], entry["given_evidence"], tuple(entry["choices"]), _reason(entry["tree"])
-    )
-
-
-def _miss(entry: dict[str, Any]) -> Miss:
-    return Miss(
-        entry["goal"],
-        entry["rule"],
-        entry["failed"],
-        entry["probability"],
-        tuple(_reason(c) for c in entry["conditions"]),
     )
 
 

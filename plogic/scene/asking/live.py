@@ -11,15 +11,17 @@ The same questions as ``plogic.scene.asking.query.answers`` puts to the program 
 what speaks of choices that the graph has summed out is refused (OutsideError), and is for the text.
 """
 
-from __future__ import annotations
-
 import time
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import replace
-from typing import TYPE_CHECKING, NamedTuple
+from typing import NamedTuple
 
 from plogic.base.errors import ProgramError, SituationError
+from plogic.facts.hypothesis import Hypothesis
 from plogic.facts.sanity import check
+from plogic.facts.situation import Situation
 from plogic.inference.gates import Literal, observed, with_formulas
+from plogic.inference.graph import Beliefs, FactorGraph
 from plogic.inference.marginals import Remembered
 from plogic.inference.ranked import best
 from plogic.logic.served.engine import Answer, Limits, Text, in_order
@@ -29,15 +31,8 @@ from plogic.scene.factors.goal_meaning import Meaning, meaning
 from plogic.scene.factors.scene_graph import SceneGraph, scene_graph
 from plogic.scene.worlds.ranked_worlds import Ranking, listed_worlds, ranking_of
 
-if TYPE_CHECKING:
-    from collections.abc import Callable, Iterable, Sequence
-
-    from plogic.facts.hypothesis import Hypothesis
-    from plogic.facts.situation import Situation
-    from plogic.inference.graph import Beliefs, FactorGraph
-
-    Interval = tuple[float, float]
-    Pairs = frozenset[tuple[str, str]]
+Interval = tuple[float, float]
+Pairs = frozenset[tuple[str, str]]
 
 
 class _Posed(NamedTuple):
@@ -74,18 +69,14 @@ class LiveScene:
 
         Raises InconsistentError, and then nothing has changed.
         """
-        before, self.given = self.given, (*self.given, goal)
-        try:
-            self._posed(seconds=seconds)
-        except BaseException:
-            self.given = before
-            raise
+        self._become(self.situation, (*self.given, goal), self._meanings, seconds)
 
     def unobserve(self, goal: str | None = None) -> None:
         """Take evidence back, as it was written; without a goal, all of it."""
         if goal is not None and goal not in self.given:
             raise ProgramError(f"{goal} was not observed", file="goal")
-        self.given = () if goal is None else _without(self.given, goal)
+        last = 0 if goal is None else len(self.given) - 1 - self.given[::-1].index(goal)
+        self.given = () if goal is None else (*self.given[:last], *self.given[last + 1 :])
 
     def add(
         self,
@@ -104,14 +95,16 @@ class LiveScene:
                 overlaps=s.overlaps | overlaps,
                 rivals=s.rivals | rivals | exclusive,
                 exclusive=s.exclusive | exclusive,
-            )
+            ),
+            self.given,
+            {},
         )
 
     def remove(self, name: str) -> None:
         """One hypothesis fewer: what speaks of it in pairs, relations and occlusion goes too."""
         if all(h.id != name for h in self.situation.hypotheses):
             raise SituationError(f"hypothesis {name!r} is unknown")
-        self._become(without(self.situation, name))
+        self._become(without(self.situation, name), self.given, {})
 
     def marginals(self, *, seconds: float | None = None) -> dict[str, Interval]:
         """P(present(H) | evidence)."""
@@ -141,14 +134,21 @@ class LiveScene:
         scene, asked = self._posed(meant.appearances, seconds)
         return answers_of(meant, scene, asked)[0]
 
-    def _become(self, situation: Situation) -> None:
+    def _become(
+        self,
+        situation: Situation,
+        given: tuple[str, ...],
+        meanings: dict[str, Meaning],
+        seconds: float | None = None,
+    ) -> None:
+        """Take another situation or other evidence, if some world is possible then; else nothing changes."""
         check(situation)
-        before = self.situation, self._meanings
-        self.situation, self._meanings = situation, {}
+        before = self.situation, self.given, self._meanings
+        self.situation, self.given, self._meanings = situation, given, meanings
         try:
-            self._posed()
+            self._posed(seconds=seconds)
         except BaseException:
-            self.situation, self._meanings = before
+            self.situation, self.given, self._meanings = before
             raise
 
     def _meaning(self, goal: str, given: Sequence[str]) -> Meaning:
@@ -231,11 +231,6 @@ def without(situation: Situation, name: str) -> Situation:
             for h in part.hypotheses
         ),
     )
-
-
-def _without(given: tuple[str, ...], goal: str) -> tuple[str, ...]:
-    last = len(given) - 1 - given[::-1].index(goal)
-    return (*given[:last], *given[last + 1 :])
 
 
 def _causes(held: SceneGraph, present: Sequence[str]) -> dict[str, str]:

@@ -8,27 +8,28 @@ makes the hypothesis e^5.9 times likelier; ``Contribution("h1/roof/apex", -1.6)`
 apex should be seen speaks against it. The features of others that it hides count for it: explaining away.
 """
 
-from __future__ import annotations
-
 import math
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 
+from geometry.arrays import Floats, Mask
 from plogic.facts.dependence import Scene
-from plogic.facts.situation import OTHERS
+from plogic.facts.hypothesis import FeatureFact, Hypothesis
+from plogic.facts.situation import OTHERS, Situation
 from plogic.facts.spatial import words_of_shared
 from plogic.measures.explanatory import case_of
-from plogic.scene.readings.posterior_reading import appearance_weight, group_shares, miss_weight, unmatched
-from plogic.scene.readings.score_reading import cells, p_ev
-
-if TYPE_CHECKING:
-    from collections.abc import Iterable, Iterator, Sequence
-
-    from plogic.facts.hypothesis import FeatureFact, Hypothesis
-    from plogic.facts.situation import Situation
-    from plogic.scene.readings.score_reading import Present
+from plogic.scene.readings.world_weights import (
+    Present,
+    appearance_weight,
+    cells,
+    group_shares,
+    miss_weight,
+    p_ev,
+    unmatched,
+)
 
 
 @dataclass(frozen=True)
@@ -58,13 +59,11 @@ def contributions(situation: Situation, hypothesis: str, world: Iterable[str]) -
             Contribution(name, float(np.log(weight[1]) - np.log(weight[0])))
             for name, weight in _weights(scene, present)
         ]
-    told = [c for c in ratios if not math.isnan(c.llr) and abs(c.llr) > 1e-12]
+    told = (c for c in ratios if not math.isnan(c.llr) and abs(c.llr) > 1e-12)
     return sorted(told, key=lambda c: (-abs(c.llr), c.datum))
 
 
-def _weights(
-    scene: Scene, present: dict[str, np.ndarray[tuple[int], np.dtype[np.bool_]]]
-) -> Iterator[tuple[str, np.ndarray[tuple[int], np.dtype[np.float64]]]]:
+def _weights(scene: Scene, present: dict[str, Mask]) -> Iterator[tuple[str, Floats]]:
     for appearance in scene.claimants:
         yield appearance, appearance_weight(scene, appearance, present)
     for h in scene.situation.hypotheses:
@@ -85,7 +84,7 @@ SAID = {
 
 
 class View(NamedTuple):
-    """A hypothesis in a world: ``present`` as ``plogic.scene.readings.score_reading`` wants it."""
+    """A hypothesis in a world: ``present`` as ``plogic.scene.readings.world_weights`` wants it."""
 
     scene: Scene
     h: Hypothesis
@@ -128,12 +127,12 @@ def _by_type(features: list[FeatureFact], *, name_all: bool) -> str:
         types.setdefault(f.type, []).append(f)
     if len(types) > TYPES:
         return f"{_count(features)} features of {len(types)} types ({_listed([f.id for f in features if f.stands_for == 1])})"
-    parts = []
-    for kind, some in types.items():
-        names = [f.id for f in some if f.stands_for == 1]
-        listed = f" ({_listed(names)})" if names and (name_all or len(names) <= 2) else ""
-        parts.append(f"{_count(some)} {'others' if kind == OTHERS else kind}{listed}")
-    return ", ".join(parts)
+    rows = [(kind, some, [f.id for f in some if f.stands_for == 1]) for kind, some in types.items()]
+    return ", ".join(
+        f"{_count(some)} {'others' if kind == OTHERS else kind}"
+        + (f" ({_listed(names)})" if names and (name_all or len(names) <= 2) else "")
+        for kind, some, names in rows
+    )
 
 
 def _count(features: Iterable[FeatureFact]) -> int:
@@ -141,19 +140,19 @@ def _count(features: Iterable[FeatureFact]) -> int:
 
 
 def _listed(names: Sequence[str]) -> str:
-    more = f", and {len(names) - LISTED} more" if len(names) > LISTED else ""
-    return ", ".join(names[:LISTED]) + more
+    return ", ".join(names[:LISTED]) + (f", and {len(names) - LISTED} more" if len(names) > LISTED else "")
 
 
 def _hiding(view: View, features: Iterable[FeatureFact]) -> Iterator[str]:
     """Which present objects hide what would otherwise be expected."""
     hidden: dict[str, list[str]] = {}
     for f in features:
-        for g in view.scene.hiders(view.h, f):
-            if view.h.expects(f) and g in view.world:
-                hidden.setdefault(g, []).append(f.id)
-    for g, names in hidden.items():
-        yield f"  hidden by {g}, so not expected: {len(names)} features ({_listed(names)})"
+        for g in view.scene.hiders(view.h, f) if view.h.expects(f) else ():
+            hidden.setdefault(g, []).append(f.id)
+    present = {g: names for g, names in hidden.items() if g in view.world}
+    yield from (
+        f"  hidden by {g}, so not expected: {len(names)} features ({_listed(names)})" for g, names in present.items()
+    )
 
 
 def _posterior(view: View) -> Iterator[str]:
@@ -163,30 +162,23 @@ def _posterior(view: View) -> Iterator[str]:
     total = float(np.sum([c.llr for c in found]))
     yield f"  prior {share:.4g}; what is detected and what is not changes its log-odds against this world without it by {total:+.4g}"
     for mark, side in (("for", [c for c in found if c.llr > 0]), ("against", [c for c in found if c.llr < 0])):
-        for c in side[:LISTED]:
-            yield f"  {mark}: {_datum(view, c)}: {c.llr:+.3g}"
+        yield from (f"  {mark}: {_datum(view, c)}: {c.llr:+.3g}" for c in side[:LISTED])
         if len(side) > LISTED:
             yield f"  {mark}: {len(side) - LISTED} more, together {float(np.sum([c.llr for c in side[LISTED:]])):+.3g}"
 
 
 def _datum(view: View, c: Contribution) -> str:
     """An appearance with the feature that it is matched to, or a place where one should be."""
-    for appearance in view.scene.situation.appearances:
-        if appearance.id == c.datum:
-            owner = next((f.id for f in view.h.features if f.match == c.datum), None)
-            whose = f"is its {owner}" if owner is not None else "is matched to another"
-            return f"{c.datum} ({appearance.type}) at ({appearance.uv[0]:.0f}, {appearance.uv[1]:.0f}) {whose}"
+    appearance = next((a for a in view.scene.situation.appearances if a.id == c.datum), None)
+    if appearance is not None:
+        owner = next((f.id for f in view.h.features if f.match == c.datum), None)
+        whose = f"is its {owner}" if owner is not None else "is matched to another"
+        return f"{c.datum} ({appearance.type}) at ({appearance.uv[0]:.0f}, {appearance.uv[1]:.0f}) {whose}"
     name, _, feature = c.datum.partition("/")
     f = next(f for f in view.scene.by_id[name].features if f.id == feature)
     whose = f"its {feature}" if name == view.h.id else c.datum
     why = " is expected" if c.llr < 0 else " would be expected without it"
     return f"no appearance at ({f.uv[0]:.0f}, {f.uv[1]:.0f}), where {whose}{why}"
-
-
-def _with_volume(situation: Situation, name: str, other: str) -> str:
-    """``h3 (2.1e-05 m3, 12 mm deep)`` where that is known."""
-    found = situation.space.sharing(name, other)
-    return other if found is None else f"{other} ({words_of_shared(found)})"
 
 
 def _held(view: View) -> Iterator[str]:
@@ -210,7 +202,8 @@ def _excluded(view: View) -> Iterator[str]:
     for reason, pairs in reasons:
         others = sorted({x if y == h.id else y for x, y in pairs if h.id in (x, y)}, key=list(view.scene.by_id).index)
         if others:
-            told = [_with_volume(situation, h.id, other) for other in others] if pairs is situation.overlaps else others
+            known = {x: situation.space.sharing(h.id, x) if pairs is situation.overlaps else None for x in others}
+            told = [x if shared is None else f"{x} ({words_of_shared(shared)})" for x, shared in known.items()]
             yield f"  excludes, since it {reason}: {_listed(told)}"
     if situation.reading == "posterior":
         rivals = [g.id for g in situation.hypotheses if g.group == h.group and g.id != h.id]

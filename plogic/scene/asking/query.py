@@ -1,21 +1,15 @@
 """P(goal): every answer substitution, most probable first (contract, ``plogic query``)."""
 
-from __future__ import annotations
-
 import time
+from collections.abc import Sequence
 from dataclasses import replace
-from typing import TYPE_CHECKING
 
 from plogic.base.errors import LimitError, ProgramError, SituationError
 from plogic.facts.situation import Situation, names_of
+from plogic.logic.safety.atoms import Names
 from plogic.logic.served.engine import Answer, Limits, Text, run, run_until, unknown
 from plogic.scene.readings.unfinished import opened, stopped_of
 from plogic.scene.text.program_text import program_text
-
-if TYPE_CHECKING:
-    from collections.abc import Sequence
-
-    from plogic.logic.safety.atoms import Names
 
 Subject = Situation | Text
 """What is asked: an interpretation's situation, or a program of a user's own."""
@@ -83,19 +77,11 @@ def answers_to_all(
     limits: Limits | None = None,
 ) -> list[list[Answer]]:
     """As ``answers``, for many goals in one run. Of a situation, from its factor graph wherever that can say it."""
-    found = _to_all(subject, goals, given, rules, limits)
-    return [opened(stopped_of(subject), some) for some in found] if stopped_of(subject) else found
-
-
-def _to_all(
-    subject: Subject, goals: Sequence[str], given: Sequence[str], rules: Text | None, limits: Limits | None
-) -> list[list[Answer]]:
-    if isinstance(subject, Situation) and goals:
-        found = _on_graph(subject, goals, given, rules, limits)
-        if found is not None:
-            return found
-    text, names = subject_text(subject)
-    return run([text, *([] if rules is None else [rules])], goals, given, names=names, limits=limits)
+    found = _on_graph(subject, goals, given, rules, limits) if isinstance(subject, Situation) and goals else None
+    if found is None:
+        text, names = subject_text(subject)
+        found = run([text, *([] if rules is None else [rules])], goals, given, names=names, limits=limits)
+    return [opened(stopped_of(subject), some) for some in found]
 
 
 def _on_graph(

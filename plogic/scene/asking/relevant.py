@@ -5,19 +5,16 @@ other, compete for one instance or carry something together. Worlds are products
 and explanations of a goal about one part are those of the part alone.
 """
 
-from __future__ import annotations
-
+from collections.abc import Iterator, Sequence
 from dataclasses import replace
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
-from plogic.facts.gravity import linked
+import networkx as nx
+
+from plogic.facts.situation import Situation
+from plogic.facts.spatial import linked
 from plogic.facts.vocabulary import VOCABULARY
 from plogic.logic.safety.author import load_problog
-
-if TYPE_CHECKING:
-    from collections.abc import Iterator, Sequence
-
-    from plogic.facts.situation import Situation
 
 WHOSE = {
     "cause/3": (1,),
@@ -36,12 +33,10 @@ def relevant(situation: Situation, goals: Sequence[str]) -> Situation:
 
     All of it where a goal is about all, or calls a rule of the author's, or cannot be read.
     """
-    named: set[str] = set()
-    for goal in goals:
-        found = _named(goal, situation)
-        if found is None:
-            return situation
-        named |= found
+    found = [_named(goal, situation) for goal in goals]
+    if None in found:
+        return situation
+    named: set[str] = set().union(*filter(None, found))
     kept = _together(situation, named)
     return situation if len(kept) == len(situation.hypotheses) else _part(situation, kept, named)
 
@@ -57,13 +52,8 @@ def _named(goal: str, situation: Situation) -> set[str] | None:
     except ProgramError:
         return None
     ids = {h.id for h in situation.hypotheses} | {a.id for a in situation.appearances}
-    named: set[str] = set()
-    for atom in (a for statement in statements for a in _atoms(statement)):
-        found = _of_atom(atom, ids)
-        if found is None:
-            return None
-        named |= found
-    return named
+    found = [_of_atom(atom, ids) for statement in statements for atom in _atoms(statement)]
+    return None if None in found else set().union(*filter(None, found))
 
 
 def _atoms(goal: Any) -> Iterator[Any]:  # noqa: ANN401 - a term of ProbLog's
@@ -84,8 +74,7 @@ def _of_atom(atom: Any, ids: set[str]) -> set[str] | None:  # noqa: ANN401 - a t
     if not places or not all(place.is_ground() for place in places):
         return None
     labels = [label_of(part) for place in places for part in _inside(place)]
-    found = {label.split("/")[0] for label in labels if label is not None} & ids
-    return found or None
+    return ({label.split("/")[0] for label in labels if label is not None} & ids) or None
 
 
 def _inside(term: Any) -> Iterator[Any]:  # noqa: ANN401 - a term of ProbLog's
@@ -96,33 +85,16 @@ def _inside(term: Any) -> Iterator[Any]:  # noqa: ANN401 - a term of ProbLog's
 
 def _together(situation: Situation, named: set[str]) -> set[str]:
     """The ids of all hypotheses that hang together with what is named."""
-    links: dict[str, set[str]] = {}
-
-    def link(x: str, y: str) -> None:
-        links.setdefault(x, set()).add(y)
-        links.setdefault(y, set()).add(x)
-
-    for h in situation.hypotheses:
-        link(h.id, f"group {h.group}")
-        for f in h.features:
-            for other in (*f.hidden_by, *([f"datum {f.match}"] if f.match is not None else [])):
-                link(h.id, other)
-    for x, y in (*situation.overlaps, *situation.rivals, *situation.exclusive):
-        link(x, y)
-    for x, y, z in situation.space.on_both:  # whether x is on y may hang on z
-        link(x, y)
-        link(x, z)
-    for x, y in () if situation.gravity is None else linked(situation.gravity):
-        link(x, y)
     ids = {h.id for h in situation.hypotheses}
-    stack = [name if name in ids else f"datum {name}" for name in sorted(named)]
-    reached: set[str] = set()
-    while stack:
-        node = stack.pop()
-        if node not in reached:
-            reached.add(node)
-            stack.extend(links.get(node, ()))
-    return reached & ids
+    links = nx.Graph([*situation.overlaps, *situation.rivals, *situation.exclusive])
+    links.add_edges_from((x, other) for x, *others in situation.space.on_both for other in others)  # y may hang on z
+    links.add_edges_from(() if situation.gravity is None else linked(situation.gravity))
+    for h in situation.hypotheses:
+        links.add_edge(h.id, f"group {h.group}")
+        links.add_edges_from((h.id, other) for f in h.features for other in f.hidden_by)
+        links.add_edges_from((h.id, f"datum {f.match}") for f in h.features if f.match is not None)
+    start = {name if name in ids else f"datum {name}" for name in named}
+    return set().union(*[part for part in nx.connected_components(links) if not start.isdisjoint(part)]) & ids
 
 
 def _part(situation: Situation, kept: set[str], named: set[str]) -> Situation:

@@ -6,27 +6,19 @@ Vocabulary: a *piece* is a connected component of the graph; ``Asked`` has solve
 formulas.
 """
 
-from __future__ import annotations
-
 import math
 import time
-from typing import TYPE_CHECKING
+from collections.abc import Callable, Iterable, Sequence
 
 from plogic.base.errors import InconsistentError
-from plogic.inference.gates import And, Literal, Not, Or, observed, probability, with_formulas
-from plogic.inference.graph import Factor, FactorGraph, connected
+from plogic.facts.situation import Situation
+from plogic.inference.gates import And, Formula, Literal, Not, Or, observed, probability, with_formulas
+from plogic.inference.graph import Beliefs, Factor, FactorGraph, connected
 from plogic.inference.marginals import beliefs
 from plogic.scene.factors.scene_graph import scene_graph
 
-if TYPE_CHECKING:
-    from collections.abc import Callable, Iterable, Sequence
-
-    from plogic.facts.situation import Situation
-    from plogic.inference.gates import Formula
-    from plogic.inference.graph import Beliefs
-
-    Interval = tuple[float, float]
-    States = dict[int, frozenset[int]]
+Interval = tuple[float, float]
+States = dict[int, frozenset[int]]
 
 
 class Asked:
@@ -50,8 +42,7 @@ class Asked:
         states = conjunction(formula, self.graph.cards)
         if states is not None:
             return self._conjunction(states)
-        touched = sorted({self._of[literal.variable] for literal in literals(formula)})
-        graph, number = self._part(touched)
+        graph, number = self._part(sorted({self._of[literal.variable] for literal in literals(formula)}))
         more, (literal,) = with_formulas(graph, (renumbered(formula, number),))
         return probability(self.solve(more), literal)
 
@@ -138,13 +129,10 @@ def literals(formula: Formula) -> list[Literal]:
     stack, seen = [formula], set[int]()
     while stack:
         top = stack.pop()
-        if id(top) in seen:
-            continue
-        seen.add(id(top))
-        if isinstance(top, Literal):
-            found.append(top)
-        else:
-            stack += [top.part] if isinstance(top, Not) else top.parts
+        if id(top) not in seen:
+            seen.add(id(top))
+            found += [top] if isinstance(top, Literal) else []
+            stack += _parts(top)
     return found
 
 
@@ -155,11 +143,9 @@ def renumbered(formula: Formula, number: dict[int, int]) -> Formula:
     while stack:
         top = stack[-1]
         wanted = [part for part in _parts(top) if id(part) not in made]
-        if wanted:
-            stack += wanted
-            continue
-        stack.pop()
-        made[id(top)] = _rebuilt(top, made, number)
+        stack += wanted
+        if not wanted:
+            made[id(top)] = _rebuilt(stack.pop(), made, number)
     return made[id(formula)]
 
 

@@ -13,22 +13,20 @@ program itself. Vocabulary:
   ``appearances`` as variables
 """
 
-from __future__ import annotations
-
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from plogic.base.errors import OutsideError
 from plogic.facts.dependence import Scene, dependence
-from plogic.facts.situation import names_of
-from plogic.inference.gates import And, Literal, Not, Or
+from plogic.facts.situation import Situation, names_of
+from plogic.inference.gates import And, Formula, Literal, Not, Or
 from plogic.logic.safety.atoms import own_atom, quoted
 from plogic.logic.safety.author import author_rules
 from plogic.logic.served.engine import Limits, Text, ask, request_of
-from plogic.scene.readings.posterior_reading import causes_of
+from plogic.scene.factors.scene_graph import SceneGraph
 from plogic.scene.text import fact_layers as facts
-from plogic.scene.text.contexts import context_clauses, contexts, ev_facts
-from plogic.scene.text.layout import Writer
+from plogic.scene.text.layout import Writer, block_clauses, ev_facts, possible_causes
 from plogic.scene.text.rules import (
     COMMON,
     CONCORDANT,
@@ -42,14 +40,7 @@ from plogic.scene.text.rules import (
     vocabulary_rules,
 )
 
-if TYPE_CHECKING:
-    from collections.abc import Iterable, Iterator, Sequence
-
-    from plogic.facts.situation import Situation
-    from plogic.inference.gates import Formula
-    from plogic.scene.factors.scene_graph import SceneGraph
-
-    Key = int | None
+Key = int | None
 
 OUTSIDE = ("hit/2", "pick/2", "luck/2", "ok/2", "joint/3", "agrees/1", "excused/1")
 """Choices that the factor graph has summed out, and what is said in terms of them."""
@@ -82,8 +73,7 @@ def _lines(w: Writer) -> Iterator[str]:
     yield from _score(w) if score else _posterior(w)
     yield from (f"{s.split('/')[0]}({', '.join('_' * int(s[-1]))}) :- fail." for s in OUTSIDE)
     yield fallbacks()
-    reassigned = score and situation.reconsider == "reassign"
-    yield from (COMMON, FOUND_REASSIGN if reassigned else FOUND, VIOLATED)
+    yield from (COMMON, FOUND_REASSIGN if (score and situation.reconsider == "reassign") else FOUND, VIOLATED)
     yield from vocabulary_rules(situation.reading)
     yield from author_rules(situation.rules, w.names, defined())
 
@@ -91,12 +81,9 @@ def _lines(w: Writer) -> Iterator[str]:
 def _score(w: Writer) -> Iterator[str]:
     """Who is decided alone, and who jointly: no choice, but it can be asked for."""
     yield "alone(_) :- fail. member_of(_, _) :- fail. includes(_, _) :- fail."
-    joint = [block for block in w.graph.blocks if len(block) > 1]
     yield from (w.fact("alone", block[0]) for block in w.graph.blocks if len(block) == 1)
-    for i, block in enumerate(joint, start=1):
-        yield from (f"member_of({w.names.atom(name)}, block({i}))." for name in block)
-        yield from (f"includes({w.list(state)}, {w.names.atom(name)})." for state in contexts(block) for name in state)
-        yield from context_clauses(w, f"block({i})", w.graph.outside(block))
+    for i, block in enumerate((block for block in w.graph.blocks if len(block) > 1), start=1):
+        yield from block_clauses(w, f"block({i})", block)
     yield from (SUPPORTED, EXCLUSIVE)
     if w.scene.situation.reconsider != "drop":
         yield CONCORDANT
@@ -104,14 +91,8 @@ def _score(w: Writer) -> Iterator[str]:
 
 def _posterior(w: Writer) -> Iterator[str]:
     for appearance in w.scene.claimants:
-        causes = causes_of(w.scene, appearance)
-        named = [(p, w.node(h, f.id)) for p, (h, f) in zip(causes.shares, causes.claimants, strict=True)]
         yield w.fact("claimed", appearance)
-        yield from (
-            f"0.5::chosen({w.names.atom(appearance)}, {cause})."
-            for p, cause in [*named, (causes.noise, "noise")]
-            if p > 0
-        )
+        yield from (f"0.5::{chosen}." for _, chosen in possible_causes(w, appearance))
     yield CHOSEN
 
 
@@ -185,10 +166,9 @@ def meaning(
     reply = ask({**request, "task": "formula", "outside": list(OUTSIDE)}, limits or Limits())
     if "outside" in reply:
         raise OutsideError(reply["outside"], file="goal")
-    answers = tuple(tuple((shown, key) for shown, key in found) for found in reply["answers"])
     return Meaning(
         tuple((kind, arguments) for kind, arguments in reply["nodes"]),
-        answers,
+        tuple(tuple((shown, key) for shown, key in found) for found in reply["answers"]),
         tuple(reply["single"]),
         tuple(reply["given"]),
     )

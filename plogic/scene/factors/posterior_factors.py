@@ -7,28 +7,30 @@ Vocabulary:
 * a *pair* ``(weight of no cause among the claims, weight of exactly one)``
 """
 
-from __future__ import annotations
-
 import math
-from typing import TYPE_CHECKING, NamedTuple
+from collections.abc import Collection, Sequence
+from typing import NamedTuple
 
 import numpy as np
 
-from plogic.base.bounds import LEAST, alternative, bounded
+from geometry.arrays import Mask
+from plogic.base.bounds import LEAST, bounded
 from plogic.facts.hypothesis import expected
-from plogic.scene.factors.weight_tables import IMPOSSIBLE, LONGEST_LIST, log, logs_of, too_wide
-from plogic.scene.readings.posterior_reading import DEFAULT_PRIOR
+from plogic.scene.factors.weight_tables import (
+    IMPOSSIBLE,
+    LONGEST_LIST,
+    Cast,
+    Literal,
+    Table,
+    Tables,
+    log,
+    logs_of,
+    too_wide,
+)
+from plogic.scene.readings.world_weights import DEFAULT_PRIOR, shares_of
 
-if TYPE_CHECKING:
-    from collections.abc import Collection, Sequence
-
-    from numpy.typing import NDArray
-
-    from plogic.scene.factors.alternatives import Cast, Literal
-    from plogic.scene.factors.weight_tables import Table, Tables
-
-    Pair = tuple[float, float]
-    Scope = tuple[int, ...]
+Pair = tuple[float, float]
+Scope = tuple[int, ...]
 
 Shape = dict[int, range]
 """The variables of a scope, each with what its states add to the number of a row."""
@@ -61,22 +63,12 @@ class Datum(NamedTuple):
 
 def datum_of(claims: list[Claim], clutter: float) -> Datum:
     """N_i / Z for each claim, f / Z for noise, Z = ΣN + f; where all are 0 nothing can cause the appearance."""
-    densities = [claim.density for claim in claims]
-    densities.append(clutter)
-    shares = alternative(densities)
-    if not shares:
-        return Datum(claims, [0.0] * len(claims), 0.0, 1.0)
-    noise = shares.pop()
-    return Datum(claims, shares, noise, sum(densities))
+    return Datum(claims, *shares_of([claim.density for claim in claims], clutter))
 
 
 def scope_of(claims: Sequence[Claim]) -> Scope:
     """The variables that have a say."""
-    scope = {claim.variable for claim in claims}
-    for claim in claims:
-        if claim.hiders:
-            scope.update([v for v, _ in claim.hiders])
-    return tuple(sorted(scope))
+    return tuple(sorted({c.variable for c in claims} | {v for c in claims for v, _ in c.hiders}))
 
 
 def add_datum(tables: Tables, datum: Datum, scope: Scope, cards: tuple[int, ...]) -> None:
@@ -96,10 +88,8 @@ def add_miss(tables: Tables, claim: Claim) -> None:
     """1 − h_F where the feature, which something hides, is expected; no appearance was found for it."""
     scope = scope_of([claim])
     cards = tables.shape(scope)
-    size = math.prod(cards)
-    logs = [0.0] * size
-    missed = log(1.0 - claim.hit)
-    for row in _rows(claim, _steps(scope, cards, size)):
+    logs, missed = [0.0] * math.prod(cards), log(1.0 - claim.hit)
+    for row in _rows(claim, _steps(scope, cards, len(logs))):
         logs[row] = missed
     tables.add_list(scope, logs)
 
@@ -160,8 +150,7 @@ def _rows(claim: Claim, shape: Shape) -> list[int]:
     rows = [shape[mine][claim.state]]
     for v, steps in shape.items():
         if v in hidden:
-            states = hidden[v]
-            bare = [step for s, step in enumerate(steps) if s not in states]
+            bare = [step for s, step in enumerate(steps) if s not in hidden[v]]
             rows = [row + step for row in rows for step in bare]
         elif v != mine:
             rows = [row + step for row in rows for step in steps]
@@ -184,8 +173,7 @@ def _large(tables: Tables, datum: Datum, scope: Scope) -> Table:
         free, hit = free.reshape(shape), hit.reshape(shape)
         none, one = none * free, one * free + none * hit
     with np.errstate(divide="ignore"):
-        logs: Table = np.log((datum.noise * none + one) * datum.scale)
-    return logs
+        return np.asarray(np.log((datum.noise * none + one) * datum.scale))
 
 
 class Cause(NamedTuple):
@@ -218,10 +206,8 @@ def add_posterior(tables: Tables, cast: Cast, explicit: Collection[str] = ()) ->
 
 def _add_priors(tables: Tables, cast: Cast) -> None:
     """Rivals for one instance share the prior of their types evenly; the rest of it says that there is none."""
-    situation = cast.situation
-    each = {h.id: situation.priors.get(h.type, DEFAULT_PRIOR) for h in situation.hypotheses}
-    for v, variable in enumerate(cast.variables):
-        members = variable.states[1:]
+    each = {h.id: cast.situation.priors.get(h.type, DEFAULT_PRIOR) for h in cast.situation.hypotheses}
+    for v, (_, *members) in enumerate(variable.states for variable in cast.variables):
         shares = [bounded(each[name or ""] / len(members)) for name in members]
         tables.unary[v] = logs_of([1.0 - sum(shares), *shares])
 
@@ -246,11 +232,7 @@ def _add_features(tables: Tables, cast: Cast) -> dict[str, list[Claim]]:
             if not LEAST <= hit <= 1.0 - LEAST:
                 hit = bounded(hit)
             if match is not None:
-                claim = Claim(v, s, hit, f.density, hiders, (name, f.id))
-                if match in claimed:
-                    claimed[match].append(claim)
-                else:
-                    claimed[match] = [claim]
+                claimed.setdefault(match, []).append(Claim(v, s, hit, f.density, hiders, (name, f.id)))
             elif hiders:
                 add_miss(tables, Claim(v, s, hit, 0.0, hiders, (name, f.id)))
             else:
@@ -273,7 +255,7 @@ def _hiders(tables: Tables, cast: Cast, mine: int, names: list[str]) -> tuple[Li
     return tuple(literals)
 
 
-def _live(tables: Tables, scope: tuple[int, ...], claim: Claim) -> NDArray[np.bool_]:
+def _live(tables: Tables, scope: tuple[int, ...], claim: Claim) -> Mask:
     """Where the claim's hypothesis is present and its feature expected, over the scope (its other axes have length 1)."""
     hiders = dict(claim.hiders)
     live = np.ones((1,) * len(scope), dtype=bool)
@@ -296,9 +278,7 @@ def _add_cause(tables: Tables, datum: Datum) -> int:
     cause = tables.variable(logs_of([datum.noise * datum.scale, *(share * datum.scale for share in datum.shares)]))
     for i, claim in enumerate(datum.claims, 1):
         scope = (*scope_of([claim]), cause)
-        live = _live(tables, scope, claim)
-        chosen = np.arange(tables.cards[cause]) == i
-        missed = np.where(live, log(1.0 - claim.hit), 0.0)
-        caused = np.where(live, log(claim.hit), IMPOSSIBLE)
+        live, chosen = _live(tables, scope, claim), np.arange(tables.cards[cause]) == i
+        missed, caused = np.where(live, log(1.0 - claim.hit), 0.0), np.where(live, log(claim.hit), IMPOSSIBLE)
         tables.add(scope, np.where(chosen, caused, missed))
     return cause

@@ -6,27 +6,17 @@ variables, numbered last. Support is a soft constraint (Σc): a world weighs q, 
 it, for each hypothesis that floats in it.
 """
 
-from __future__ import annotations
-
 import math
+from collections.abc import Collection
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
 from plogic.base.bounds import bounded
-from plogic.facts.gravity import GROUND
-from plogic.scene.factors.alternatives import Alternative, Cast, cast_of
-from plogic.scene.factors.posterior_factors import add_posterior
+from plogic.facts.situation import Situation
+from plogic.facts.spatial import GROUND, Foot, Gravity
+from plogic.inference.graph import FactorGraph
+from plogic.scene.factors.posterior_factors import Cause, add_posterior
 from plogic.scene.factors.score_factors import add_score
-from plogic.scene.factors.weight_tables import Tables
-
-if TYPE_CHECKING:
-    from collections.abc import Collection
-
-    from plogic.facts.gravity import Foot, Gravity
-    from plogic.facts.situation import Situation
-    from plogic.inference.graph import FactorGraph
-    from plogic.scene.factors.alternatives import Literal
-    from plogic.scene.factors.posterior_factors import Cause
+from plogic.scene.factors.weight_tables import Alternative, Cast, Literal, Tables, cast_of
 
 MOST_HOLDERS = 6
 """Variables of holders that one factor looks at; of more, one auxiliary variable says whether any holds."""
@@ -44,25 +34,20 @@ def add_floating(tables: Tables, cast: Cast) -> frozenset[int]:
             continue
         lower = None if below is None else below.literal(foot)
         if below is None or lower is not None:
-            _add_foot(tables, cast, foot.id, holders, lower)
+            _add_foot(tables, cast, foot.id, holders, lower, math.log(bounded(gravity.unknown_support)))
     return frozenset(range(first, len(tables.cards)))
 
 
-def _add_foot(tables: Tables, cast: Cast, name: str, holders: list[str], lower: Literal | None) -> None:
-    """Q where it is present, none of ``holders`` is, and ``lower`` holds, if there is such a condition."""
+def _add_foot(tables: Tables, cast: Cast, name: str, holders: list[str], lower: Literal | None, unknown: float) -> None:
+    """``unknown`` = ln q where it is present, none of ``holders`` is, and ``lower`` holds, if there is such a condition."""
     variable, state = cast.place[name]
     holding = cast.literals(holders)
     if len(holding) > MOST_HOLDERS:
         holding = [(tables.indicator(holding), (1,))]
     literals = [(variable, (state,)), *([] if lower is None else [lower]), *holding]
     logs = [0.0] * 2 ** len(literals)
-    logs[1 if lower is None else 3] = math.log(bounded(_support(cast)))
+    logs[1 if lower is None else 3] = unknown
     tables.add_bits(literals, logs)
-
-
-def _support(cast: Cast) -> float:
-    gravity = cast.situation.gravity
-    return 1.0 if gravity is None else gravity.unknown_support
 
 
 class _Below:
@@ -127,17 +112,12 @@ def scene_graph(situation: Situation, *, explicit: Collection[str] = ()) -> Scen
     cast = cast_of(situation)
     tables = Tables([len(v.states) for v in cast.variables])
     causes: dict[str, Cause] = {}
+    pairs = situation.overlaps  # A4: the two are never present together
     if situation.reading == "posterior":
         causes = add_posterior(tables, cast, explicit)
     else:
         add_score(tables, cast)
-    _add_constraints(tables, cast)
+        pairs |= situation.exclusive  # an appearance serves one feature
+    tables.forbid([(cast.place[x], cast.place[y]) for x, y in pairs])
     decided = add_floating(tables, cast)
     return SceneGraph(tables.graph(), cast.variables, cast.place, causes, decided)
-
-
-def _add_constraints(tables: Tables, cast: Cast) -> None:
-    """A4, and in the score reading that an appearance serves one feature: the two are never present together."""
-    situation, place = cast.situation, cast.place
-    pairs = situation.overlaps | (situation.exclusive if situation.reading == "score" else frozenset())
-    tables.forbid([(place[x], place[y]) for x, y in pairs])

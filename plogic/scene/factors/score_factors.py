@@ -3,7 +3,7 @@
 Cyclic blocks jointly (§8).
 
 In mode `to_B` P(ev) is linear in the features: one look at each, then a sum for every set of others that are present.
-This is the second form of ``plogic.scene.readings.score_reading.acceptance`` in this mode, tested equal to it.
+This is the second form of ``plogic.scene.readings.world_weights.acceptance`` in this mode, tested equal to it.
 
 * ``Linear(["h2", "h5"], 0.7, [(1, 0.1, True), (3, 0.2, False)])``: of the shares of dv, 0.7 is concordant whoever is
   present; 0.1 where h2 (bit 0 of 1) is absent, since an appearance was found for it; and 0.2 where h2 or h5 is present,
@@ -14,32 +14,22 @@ present(h) holds iff h is supported and the feature that it picks is concordant,
 over who is present, which the graph takes as gates.
 """
 
-from __future__ import annotations
-
-from typing import TYPE_CHECKING, NamedTuple
+from collections.abc import Sequence
+from typing import NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
+from geometry.arrays import Floats, Mask
 from plogic.base.bounds import LEAST, alternative
-from plogic.facts.dependence import Scene, arranged, dependence, ordered
-from plogic.facts.hypothesis import expected
-from plogic.inference.gates import And, Literal, Not, Or
-from plogic.scene.factors.weight_tables import IMPOSSIBLE, LONGEST_LIST, WIDEST, log, logs_of
-from plogic.scene.readings.score_reading import acceptance, lifted_smoothing
+from plogic.facts.dependence import Dependence, Scene, arranged, dependence, ordered
+from plogic.facts.hypothesis import FeatureFact, Hypothesis, expected
+from plogic.inference.gates import And, Formula, Literal, Not, Or
+from plogic.scene.factors.weight_tables import IMPOSSIBLE, LONGEST_LIST, WIDEST, Cast, Tables, log, logs_of
+from plogic.scene.readings.world_weights import acceptance, lifted_smoothing, snapped
 
-if TYPE_CHECKING:
-    from collections.abc import Iterable, Sequence
-
-    from numpy.typing import NDArray
-
-    from plogic.facts.dependence import Dependence
-    from plogic.facts.hypothesis import FeatureFact, Hypothesis
-    from plogic.inference.gates import Formula
-    from plogic.scene.factors.alternatives import Cast
-    from plogic.scene.factors.weight_tables import Tables
-
-    Cell = tuple[int, float, bool]
-    Chances = NDArray[np.float64]
+Cell = tuple[int, float, bool]
+Chances = NDArray[np.float64]
 
 
 class Linear(NamedTuple):
@@ -52,7 +42,7 @@ class Linear(NamedTuple):
     fixed: float | None
     cells: list[Cell]
 
-    def chances(self, epsilon: float) -> list[float] | NDArray[np.float64]:
+    def chances(self, epsilon: float) -> list[float] | Floats:
         """P(present(h) | which of ``names`` are present), a bit table (2^n,); of length 1 where it is impossible."""
         if self.fixed is None:
             return [0.0]
@@ -77,9 +67,8 @@ def linear(cast: Cast, h: Hypothesis) -> Linear:
     for f in h.features:
         if not f.in_image:
             continue
-        found = f.match is not None
+        found, awaited = f.match is not None, expected(f, solid)
         detected = detected or found
-        awaited = expected(f, solid)
         hiders = {g for g in f.hidden_by if g in opaque and g not in unhiding} if awaited and f.hidden_by else None
         if hiders:
             for g in hiders:
@@ -102,13 +91,11 @@ def _snapped(total: float) -> float:
     return 1.0 if total > 1.0 - 1e-12 else 0.0 if total < 1e-12 else total
 
 
-def _array(size: int, fixed: float, cells: Sequence[Cell], epsilon: float) -> NDArray[np.float64]:
+def _array(size: int, fixed: float, cells: Sequence[Cell], epsilon: float) -> Floats:
     rows, changing = np.arange(size), np.zeros(size)
     for mask, share, found in cells:
         changing += share * (((rows & mask) > 0) != found)
-    total = changing + fixed
-    total = np.where(total > 1.0 - 1e-12, 1.0, np.where(total < 1e-12, 0.0, total))
-    return epsilon + (1.0 - 2.0 * epsilon) * total
+    return epsilon + (1.0 - 2.0 * epsilon) * snapped(changing + fixed)
 
 
 def add_pick(tables: Tables, cast: Cast, scene: Scene, h: Hypothesis, epsilon: float) -> None:
@@ -139,13 +126,11 @@ def _is_present(cast: Cast, name: str) -> Formula:
     return Literal(variable, frozenset({state}))
 
 
-def _any_of(cast: Cast, names: Iterable[str]) -> Formula:
-    return Or(tuple(Literal(v, frozenset(states)) for v, states in cast.literals(names)))
-
-
 def _in_view(cast: Cast, h: Hypothesis, f: FeatureFact) -> Formula:
     """D7, given that ``h`` is in the world."""
-    return Not(_any_of(cast, cast.hiders(h, f))) if h.expects(f) else Or(())
+    if not h.expects(f):
+        return Or(())
+    return Not(Or(tuple(Literal(v, frozenset(states)) for v, states in cast.literals(cast.hiders(h, f)))))
 
 
 def _robbed(cast: Cast, scene: Scene, h: Hypothesis, f: FeatureFact) -> Formula:
@@ -211,8 +196,7 @@ def _logs(p: Sequence[float] | Chances) -> list[float] | Chances:
     if not isinstance(p, np.ndarray):
         return logs_of([q for x in p for q in (1.0 - x, x)])
     with np.errstate(divide="ignore"):
-        logs: Chances = np.log(np.stack([1.0 - p, p], axis=1)).ravel()
-    return logs
+        return np.asarray(np.log(np.stack([1.0 - p, p], axis=1)).ravel())
 
 
 def _literals(cast: Cast, names: tuple[str, ...]) -> list[tuple[int, tuple[int, ...]]]:
@@ -222,29 +206,27 @@ def _literals(cast: Cast, names: tuple[str, ...]) -> list[tuple[int, tuple[int, 
 
 def chances(seen: Seen, h: Hypothesis, names: tuple[str, ...]) -> Chances:
     """P(present(h) | which of ``names`` are present), a bit table (2^n,)."""
+    return acceptance(seen.scene, h, _columns(seen, names), names)
+
+
+def _columns(seen: Seen, names: tuple[str, ...]) -> dict[str, Mask]:
+    """Who is present in all 2^n worlds of ``names``, row by row of a bit table; nobody else is."""
     rows = np.arange(2 ** len(names))
-    nobody = np.zeros(len(rows), np.bool_)
-    present = dict.fromkeys(seen.scene.by_id, nobody) | {
-        name: (rows >> i & 1).astype(np.bool_) for i, name in enumerate(names)
-    }
-    return acceptance(seen.scene, h, present, names)
+    present = {name: (rows >> i & 1).astype(np.bool_) for i, name in enumerate(names)}
+    return dict.fromkeys(seen.scene.by_id, np.zeros(len(rows), np.bool_)) | present
 
 
 def _add_block(tables: Tables, cast: Cast, seen: Seen, block: tuple[str, ...]) -> None:
     """One alternative over the joint states S: Π_{h∈S} p_h(S) · Π_{h∉S} (1 − p_h(S)), normalised for each context of outside occluders."""
-    outside = seen.graph.outside(block)
-    rows = np.arange(2 ** (len(block) + len(outside)))
-    present = {name: (rows >> i & 1).astype(np.bool_) for i, name in enumerate((*block, *outside))}
-    nobody = np.zeros(len(rows), np.bool_)
-    everyone = dict.fromkeys(seen.scene.by_id, nobody) | present
-    weight = np.ones(len(rows))
+    names = (*block, *seen.graph.outside(block))
+    present, weight = _columns(seen, names), np.ones(2 ** len(names))
     for name in block:
-        p = acceptance(seen.scene, seen.scene.by_id[name], everyone, seen.graph.of[name])
+        p = acceptance(seen.scene, seen.scene.by_id[name], present, seen.graph.of[name])
         weight *= np.where(present[name], p, 1.0 - p)
     shares = normalised(weight.reshape(-1, 2 ** len(block))).ravel()
     logs = np.full(len(shares), IMPOSSIBLE)
     logs[shares > 0] = np.log(shares[shares > 0])
-    tables.add_bits(_literals(cast, (*block, *outside)), logs)
+    tables.add_bits(_literals(cast, names), logs)
 
 
 def normalised(weight: Chances) -> Chances:
@@ -256,5 +238,4 @@ def normalised(weight: Chances) -> Chances:
     weight[weight.sum(axis=1) <= 0, 0] = 1.0
     share = weight / weight.sum(axis=1, keepdims=True)
     lifted = np.where(share > 0, np.maximum(share, LEAST), 0.0)
-    result: Chances = lifted / lifted.sum(axis=1, keepdims=True)
-    return result
+    return np.asarray(lifted / lifted.sum(axis=1, keepdims=True))

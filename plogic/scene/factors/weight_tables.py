@@ -1,29 +1,113 @@
-"""A factor graph under construction: log weights accumulated by scope.
+"""A factor graph under construction: the variables of a scene, and log weights accumulated by scope.
 
-Vocabulary: a *literal* ``(3, (1, 2))``, variable 3 is in one of these states; a *bit table* over n literals, an array
-(2^n,) whose row r is for the joint truth values of which the i-th is bit i of r.
+One variable is the alternative of the rivals of one instance (§8). Vocabulary, each with an example value:
+
+* ``Alternative((None, "h1", "h4"))``: state 0 is that none of them is present, state i that the i-th is, and no other
+* ``Cast.place["h4"] == (0, 2)``: h4 is present where variable 0 is in state 2
+* a *literal* ``(3, (1, 2))``: variable 3 is in one of these states
+* a *bit table* over n literals: an array (2^n,) whose row r is for the joint truth values of which the i-th is bit i
+  of r
 """
-
-from __future__ import annotations
 
 import functools
 import math
-from typing import TYPE_CHECKING
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
+from typing import TypeAlias
 
 import numpy as np
 
-from plogic.inference.gates import observed, with_formulas
+from geometry.arrays import Floats
+from plogic.facts.hypothesis import FeatureFact, Hypothesis
+from plogic.facts.situation import Situation
+from plogic.inference.gates import Formula, observed, with_formulas
 from plogic.inference.graph import Factor, FactorGraph
 
-if TYPE_CHECKING:
-    from collections.abc import Iterable, Sequence
+Literal: TypeAlias = tuple[int, tuple[int, ...]]
+"""A variable, and the states of which it is in one."""
 
-    from numpy.typing import NDArray
 
-    from plogic.inference.gates import Formula
-    from plogic.scene.factors.alternatives import Literal
+@dataclass(frozen=True)
+class Alternative:
+    """``states[0]`` is None, for none of them; ``states[i]`` the id of the hypothesis that is present."""
 
-    Table = NDArray[np.float64]
+    states: tuple[str | None, ...]
+
+
+@dataclass(frozen=True)
+class Cast:
+    """A situation with the variables of its graph and its look-ups.
+
+    ``unhiding["h4"]``: h4 and its rivals, none of which hides h4 (§4.1).
+    """
+
+    situation: Situation
+    variables: tuple[Alternative, ...]
+    place: dict[str, tuple[int, int]]
+    opaque: frozenset[str]
+    unhiding: dict[str, set[str]]
+
+    def hiders(self, h: Hypothesis, f: FeatureFact) -> list[str]:
+        """The hypotheses that hide the feature in every world in which they are present (D4, D7), each once."""
+        opaque, unhiding = self.opaque, self.unhiding[h.id]
+        found = [g for g in f.hidden_by if g in opaque and g not in unhiding]
+        return found if len(found) < 2 else list(dict.fromkeys(found))
+
+    def literals(self, names: Iterable[str]) -> list[Literal]:
+        """One literal a variable: one of ``names`` is present; by variable."""
+        states: dict[int, list[int]] = {}
+        for name in names:
+            variable, state = self.place[name]
+            states.setdefault(variable, []).append(state)
+        return [(variable, tuple(sorted(states[variable]))) for variable in sorted(states)]
+
+
+def cast_of(situation: Situation) -> Cast:
+    """The variables, in the order of Δh of their first members, with the look-ups."""
+    units = _groups(situation) if situation.reading == "posterior" else _cliques(situation)
+    variables = tuple([Alternative((None, *members)) for members in units])
+    place = {name: (v, s) for v, members in enumerate(units) for s, name in enumerate(members, 1)}
+    unhiding = {h.id: {h.id} for h in situation.hypotheses}
+    for x, y in situation.rivals:
+        unhiding[x].add(y)
+        unhiding[y].add(x)
+    return Cast(situation, variables, place, frozenset([h.id for h in situation.hypotheses if h.opaque]), unhiding)
+
+
+def _groups(situation: Situation) -> list[list[str]]:
+    """Posterior: the hypotheses of one instance."""
+    groups: dict[str, list[str]] = {}
+    for h in situation.hypotheses:
+        groups.setdefault(h.group, []).append(h.id)
+    return list(groups.values())
+
+
+def _cliques(situation: Situation) -> list[list[str]]:
+    """Score: hypotheses of one group of which no two can be present together.
+
+    Each joins the first clique that it fits.
+    """
+    cliques: list[list[str]] = []
+    of_group: dict[str, list[list[str]]] = {}
+    for h in situation.hypotheses:
+        mine = of_group.setdefault(h.group, [])
+        fitting = next((clique for clique in mine if _apart(situation, h.id, clique)), None) if mine else None
+        if fitting is None:
+            mine.append([h.id])
+            cliques.append(mine[-1])
+        else:
+            fitting.append(h.id)
+    return cliques
+
+
+def _apart(situation: Situation, name: str, others: Iterable[str]) -> bool:
+    """Whether constraints forbid the hypothesis to be present together with any of the others."""
+    pairs = situation.overlaps, situation.exclusive
+    return all(any((name, other) in some or (other, name) in some for some in pairs) for other in others)
+
+
+Table: TypeAlias = Floats
+"""One axis a variable."""
 
 WIDEST = 16
 """Bits of one factor: what spans more joint states is written with auxiliary variables."""
@@ -131,25 +215,19 @@ class Tables:
 
     def indicator(self, literals: Sequence[Literal]) -> int:
         """A binary variable that is 1 where one of the literals holds: a chain of deterministic factors of three variables each."""
-        last: int | None = None
+        last: list[Literal] = []
         for literal in literals:
-            new = self.variable((0.0, 0.0))
-            inputs = [literal] if last is None else [literal, (last, (1,))]
+            inputs, new = [literal, *last], (self.variable((0.0, 0.0)), (1,))
             rows = np.arange(2 ** (len(inputs) + 1))
             holds = (rows & (1 << len(inputs)) - 1) > 0
-            self._add_rows([*inputs, (new, (1,))], np.where(holds == (rows >> len(inputs) > 0), 0.0, IMPOSSIBLE))
-            last = new
-        if last is None:
-            return self.variable((0.0, IMPOSSIBLE))
-        return last
+            self._add_rows([*inputs, new], np.where(holds == (rows >> len(inputs) > 0), 0.0, IMPOSSIBLE))
+            last = [new]
+        return last[0][0] if last else self.variable((0.0, IMPOSSIBLE))
 
     def graph(self) -> FactorGraph:
         """What was added, unary factors first (those that say something), then the others by scope."""
         factors = [Factor((v,), np.array(logs)) for v, logs in enumerate(self.unary) if any(logs)]
-        for scope in sorted(self.lists.keys() | self.arrays.keys()):
-            logs = self.lists.get(scope)
-            factors.append(
-                Factor(scope, self.arrays[scope] if logs is None else np.array(logs).reshape(self.shape(scope)))
-            )
+        tables = self.arrays | {scope: np.array(logs).reshape(self.shape(scope)) for scope, logs in self.lists.items()}
+        factors += [Factor(scope, tables[scope]) for scope in sorted(tables)]
         plain = FactorGraph(tuple(self.cards), tuple(factors))
         return observed(*with_formulas(plain, self.required)) if self.required else plain

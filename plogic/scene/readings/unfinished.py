@@ -12,13 +12,12 @@ from __future__ import annotations
 from dataclasses import replace
 from typing import TYPE_CHECKING, TypeVar
 
-from plogic.facts.situation import SEARCH, WORLDS, Situation
+from plogic.facts.situation import SEARCH, WORLDS, Situation, Stopped
 
 if TYPE_CHECKING:
     from collections.abc import Iterable
 
     from plogic.facts.document import HypothesisRow, Interpretation, Listed, Marks, RejectedRow
-    from plogic.facts.situation import Stopped
     from plogic.logic.served.engine import Answer
     from plogic.scene.asking.query import Subject
     from plogic.scene.worlds.ranked_worlds import Ranking
@@ -79,14 +78,11 @@ def opened(stopped: Stopped, answers: Iterable[Answer]) -> list[Answer]:
 
 def marked(document: Interpretation, ranking: Ranking, stopped: Stopped) -> Interpretation:
     """The interpretation, unfinished: with each probability an ``interval`` that contains what more time would give."""
-    found: Interpretation = {**document, **marks(stopped)}
-    return _all_open(found) if stopped == SEARCH else _bounded(found, ranking)
-
-
-def _all_open(document: Interpretation) -> Interpretation:
-    """The rejected have one too: what was rejected for want of time, or beside what will not stay, may yet be accepted."""
-    return {
+    if stopped != SEARCH:
+        return _bounded({**document, **marks(stopped)}, ranking)
+    return {  # the rejected too: what was rejected for want of time, or beside what will not stay, may yet be accepted
         **document,
+        **marks(stopped),
         "hypotheses": [_within(h, OPEN) for h in document["hypotheses"]],
         "worlds": [{**world, "interval": list(OPEN)} for world in document["worlds"]],
         "relations": [{**row, "interval": list(OPEN)} for row in document["relations"]],

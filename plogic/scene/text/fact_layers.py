@@ -7,25 +7,15 @@ described is a point at its origin. Support: who may hold whom (layer 2), an exc
 and that none floats without one (evidence).
 """
 
-from __future__ import annotations
-
 import math
+from collections.abc import Iterator
 from itertools import combinations
-from typing import TYPE_CHECKING
 
 from plogic.base.bounds import bounded
-from plogic.facts.gravity import GROUND
-from plogic.facts.situation import both_ways
-from plogic.facts.spatial import BodyFact, words_of_shared
-from plogic.scene.text.layout import coordinate, number, quoted
-
-if TYPE_CHECKING:
-    from collections.abc import Iterator
-
-    from plogic.facts.gravity import Gravity
-    from plogic.facts.hypothesis import FeatureFact, Hypothesis
-    from plogic.facts.situation import PairFact
-    from plogic.scene.text.layout import Writer
+from plogic.facts.hypothesis import FeatureFact, Hypothesis
+from plogic.facts.situation import PairFact, both_ways
+from plogic.facts.spatial import GROUND, BodyFact, Gravity, words_of_shared
+from plogic.scene.text.layout import Writer, coordinate, number, quoted
 
 
 def holds(w: Writer) -> Iterator[str]:
@@ -93,7 +83,8 @@ def whereabouts(w: Writer) -> Iterator[str]:
     yield from (f"body_gap({w.atoms(x, y)}, {coordinate(gap)})." for x, y, gap in space.gaps)
     yield from (
         f"body_gap({w.atoms(x.id, y.id)}, {coordinate(math.dist(x.middle, y.middle))})."
-        for x, y in _unmeasured(bodies, known)
+        for x, y in combinations(bodies, 2)
+        if x.id not in known or y.id not in known  # one is a point at its origin: nobody measured the gap
     )
     if space.up is not None:
         yield f"up_direction({', '.join(coordinate(x) for x in space.up)}). % from: {space.up_from}"
@@ -111,14 +102,9 @@ def _point(h: Hypothesis) -> BodyFact:
 
 def _body(w: Writer, body: BodyFact) -> str:
     """``body_middle(h1, 0.1, 0.0, 0.9). body_nearest(h1, 0.85). inside_image(h1).``."""
-    at = ", ".join(coordinate(x) for x in body.middle)
-    facts = f"body_middle({w.names.atom(body.id)}, {at}). body_nearest({w.names.atom(body.id)}, {coordinate(body.nearest)})."
+    name, at = w.names.atom(body.id), ", ".join(map(coordinate, body.middle))
+    facts = f"body_middle({name}, {at}). body_nearest({name}, {coordinate(body.nearest)})."
     return f"{facts} {w.fact(VIEWS[body.view], body.id)}" if body.view in VIEWS else facts
-
-
-def _unmeasured(bodies: list[BodyFact], known: dict[str, BodyFact]) -> Iterator[tuple[BodyFact, BodyFact]]:
-    """Pairs of which one is a point at its origin: nobody measured the gap."""
-    return ((x, y) for x, y in combinations(bodies, 2) if x.id not in known or y.id not in known)
 
 
 def label_comments(w: Writer) -> Iterator[str]:
@@ -170,9 +156,8 @@ def geometry(w: Writer) -> Iterator[str]:
 
 
 def _position(w: Writer, h: Hypothesis) -> str:
-    origin = h.camera_from_object[:3, 3].tolist()
-    at = ", ".join(coordinate(x) for x in origin)
-    return f"at({w.names.atom(h.id)}, {at}). distance({w.names.atom(h.id)}, {coordinate(math.hypot(*origin))})."
+    origin, name = h.camera_from_object[:3, 3].tolist(), w.names.atom(h.id)
+    return f"at({name}, {', '.join(map(coordinate, origin))}). distance({name}, {coordinate(math.hypot(*origin))})."
 
 
 def _feature(w: Writer, h: Hypothesis, f: FeatureFact) -> str:
@@ -215,7 +200,10 @@ def _pairs(w: Writer) -> Iterator[str]:
     for r in situation.relations:
         yield from _relation(w, r, ("outline_relation", "outline_roc"), *(w.names.atom(name) for name in (r.x, r.y)))
     for r in situation.part_relations:
-        x, y = (_node(w, name, part) for name, part in zip((r.x, r.y), r.parts, strict=True))
+        x, y = (
+            w.node(w.scene.by_id[name], part) if part else w.names.atom(name)
+            for name, part in zip((r.x, r.y), r.parts, strict=True)
+        )
         yield from _relation(w, r, ("part_relation", "part_roc"), x, y)
 
 
@@ -223,14 +211,8 @@ def _relation(w: Writer, r: PairFact, predicates: tuple[str, str], x: str, y: st
     """The coarse relation of the ordered pair that it is said of, and the fine ones of both."""
     coarse, fine = predicates
     yield f"{coarse}({w.names.atom(r.relation)}, {x}, {y})."
-    pairs = ((x, y), (y, x))
-    yield from (
-        f"{fine}({w.names.atom(name)}, {', '.join(pair)})." for name, pair in zip(both_ways(r), pairs, strict=False)
-    )
-
-
-def _node(w: Writer, name: str, part: str) -> str:
-    return w.node(w.scene.by_id[name], part) if part else w.names.atom(name)
+    pairs = zip(both_ways(r), (f"{x}, {y}", f"{y}, {x}"), strict=False)
+    yield from (f"{fine}({w.names.atom(name)}, {pair})." for name, pair in pairs)
 
 
 def _once(w: Writer, pairs: frozenset[tuple[str, str]]) -> list[tuple[str, str]]:

@@ -7,28 +7,31 @@ deterministic. Layer 3, the choices, depends on the reading. Score: the choices 
 = P(ev). Posterior: which instance is which hypothesis, what hits, what causes what.
 """
 
-from __future__ import annotations
-
-from typing import TYPE_CHECKING
+import math
+from collections.abc import Iterator
 
 from plogic.base.bounds import alternative, bounded
 from plogic.facts.dependence import Scene, dependence
+from plogic.facts.hypothesis import Hypothesis
 from plogic.facts.sanity import check
-from plogic.facts.situation import names_of
+from plogic.facts.situation import Situation, names_of
 from plogic.logic.safety.author import author_rules
-from plogic.scene.readings.posterior_reading import causes_of, group_shares, unmatched
-from plogic.scene.readings.score_reading import lifted_smoothing
 from plogic.scene.readings.unfinished import notice
+from plogic.scene.readings.world_weights import group_shares, lifted_smoothing, unmatched
 from plogic.scene.text import fact_layers as facts
-from plogic.scene.text.contexts import accepted_given, context_clauses, contexts, ev_facts, listed
-from plogic.scene.text.layout import Writer, disjunction, number, title
+from plogic.scene.text.layout import (
+    Writer,
+    accepted_given,
+    block_clauses,
+    contexts,
+    disjunction,
+    ev_facts,
+    listed,
+    number,
+    possible_causes,
+    title,
+)
 from plogic.scene.text.rules import defined, fallbacks, rules, vocabulary_rules
-
-if TYPE_CHECKING:
-    from collections.abc import Iterator
-
-    from plogic.facts.hypothesis import Hypothesis
-    from plogic.facts.situation import Situation
 
 
 def posterior_choices(w: Writer) -> Iterator[str]:
@@ -43,19 +46,9 @@ def posterior_choices(w: Writer) -> Iterator[str]:
             yield f"{number(bounded(f.hit_rate))}::hit({w.feature(h, f)})."
     yield "% Each claimed appearance has one cause: densities over their sum (bounded, so that ProbLog can read them)."
     for appearance in w.scene.claimants:
-        yield from _causes(w, appearance)
-
-
-def _causes(w: Writer, appearance: str) -> Iterator[str]:
-    causes = causes_of(w.scene, appearance)
-    named = [(p, w.node(h, f.id)) for p, (h, f) in zip(causes.shares, causes.claimants, strict=True)]
-    heads = [
-        (p, f"chosen({w.names.atom(appearance)}, {cause})") for p, cause in [*named, (causes.noise, "noise")] if p > 0
-    ]
-    if heads:
-        yield disjunction(heads)
-    else:
-        yield f"% {w.names.atom(appearance)}: every density is 0: nothing can cause it."
+        heads = possible_causes(w, appearance)
+        nothing = f"% {w.names.atom(appearance)}: every density is 0: nothing can cause it."
+        yield disjunction(heads) if heads else nothing
 
 
 def posterior_evidence(w: Writer) -> Iterator[str]:
@@ -83,7 +76,11 @@ def score_choices(w: Writer) -> Iterator[str]:
 def _alone(w: Writer, h: Hypothesis) -> Iterator[str]:
     yield ""
     yield w.fact("alone", h.id)
-    yield from _dropping(w, h) if w.scene.situation.reconsider == "drop" else _picking(w, h)
+    dropping = (  # P(ev) for each set of accepted occluders
+        f"{number(accepted_given(w, h, context))}::ok({w.names.atom(h.id)}, {w.list(context)})."
+        for context in contexts(listed(w, h))
+    )
+    yield from dropping if w.scene.situation.reconsider == "drop" else _picking(w, h)
 
 
 def _picking(w: Writer, h: Hypothesis) -> Iterator[str]:
@@ -93,8 +90,7 @@ def _picking(w: Writer, h: Hypothesis) -> Iterator[str]:
     if not shares:
         yield f"% {w.names.atom(h.id)}: no feature in the image, or every dv is 0: ev is undefined, never present."
         return
-    heads = [(p, f"pick({w.feature(h, f)})") for p, f in zip(shares, seen, strict=True) if p > 0]
-    yield disjunction(heads)
+    yield disjunction([(p, f"pick({w.feature(h, f)})") for p, f in zip(shares, seen, strict=True) if p > 0])
     epsilon = lifted_smoothing(w.scene)
     if epsilon > 0:
         atom = w.names.atom(h.id)
@@ -103,21 +99,12 @@ def _picking(w: Writer, h: Hypothesis) -> Iterator[str]:
         )
 
 
-def _dropping(w: Writer, h: Hypothesis) -> Iterator[str]:
-    """``P(ev)::ok(H, Context)`` for each set of accepted occluders."""
-    for context in contexts(listed(w, h)):
-        yield f"{number(accepted_given(w, h, context))}::ok({w.names.atom(h.id)}, {w.list(context)})."
-
-
 def _joint(w: Writer, key: str, block: tuple[str, ...]) -> Iterator[str]:
     """One alternative over the joint states S, weight Π_{h∈S} p_h(S) · Π_{h∉S} (1 − p_h(S)), for each context of outside occluders."""
     yield ""
     yield f"% {w.atoms(*block)} occlude each other in a cycle: decided jointly."
-    outside = w.graph.outside(block)
-    yield from (f"member_of({w.names.atom(name)}, {key})." for name in block)
-    yield from (f"includes({w.list(state)}, {w.names.atom(name)})." for state in contexts(block) for name in state)
-    yield from context_clauses(w, key, outside)
-    for context in contexts(outside):
+    yield from block_clauses(w, key, block)
+    for context in contexts(w.graph.outside(block)):
         yield disjunction(_states(w, key, block, context))
 
 
@@ -129,11 +116,8 @@ def _states(w: Writer, key: str, block: tuple[str, ...], context: tuple[str, ...
 
 
 def _weight(w: Writer, block: tuple[str, ...], state: tuple[str, ...], context: tuple[str, ...]) -> float:
-    weight = 1.0
-    for name in block:
-        p = accepted_given(w, w.scene.by_id[name], (*state, *context))
-        weight *= p if name in state else 1.0 - p
-    return weight
+    accepted = {name: accepted_given(w, w.scene.by_id[name], (*state, *context)) for name in block}
+    return math.prod(p if name in state else 1.0 - p for name, p in accepted.items())
 
 
 def program_text(situation: Situation) -> str:
@@ -143,8 +127,7 @@ def program_text(situation: Situation) -> str:
     """
     check(situation)
     scene = Scene(situation)
-    writer = Writer(scene, dependence(scene), names_of(situation))
-    return "\n".join(_lines(writer)).rstrip() + "\n"
+    return "\n".join(_lines(Writer(scene, dependence(scene), names_of(situation)))).rstrip() + "\n"
 
 
 def query_lines(situation: Situation) -> str:
@@ -182,7 +165,9 @@ def _lines(w: Writer) -> Iterator[str]:
     for block in rules(situation, smoothed=lifted_smoothing(w.scene) > 0):
         yield from (block, "")
     yield from ("% ---- The vocabulary of queries", *vocabulary_rules(situation.reading))
-    yield from _author(w)
+    clauses = author_rules(situation.rules, w.names, defined())
+    if clauses:
+        yield from ("", "% ---- The rules of the knowledge base's author", *clauses)
     yield from (
         "",
         title(5, "Evidence: no violated constraint" + ("" if is_score else ", Γ, and what is missing in Γ")),
@@ -190,9 +175,3 @@ def _lines(w: Writer) -> Iterator[str]:
     yield from facts.constraints(w)
     if not is_score:
         yield from posterior_evidence(w)
-
-
-def _author(w: Writer) -> Iterator[str]:
-    clauses = author_rules(w.scene.situation.rules, w.names, defined())
-    if clauses:
-        yield from ("", "% ---- The rules of the knowledge base's author", *clauses)

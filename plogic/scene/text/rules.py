@@ -3,14 +3,8 @@
 ``FALLBACKS`` keeps ProbLog from calling a predicate unknown that merely has no facts in this image.
 """
 
-from __future__ import annotations
-
-from typing import TYPE_CHECKING
-
+from plogic.facts.situation import Situation
 from plogic.facts.vocabulary import VOCABULARY, entries
-
-if TYPE_CHECKING:
-    from plogic.facts.situation import Situation
 
 FALLBACKS = (
     "part_of/2", "feature_of/3", "hypothesis/2", "instance/2", "opaque_surface/1", "in_image/2", "in_lobe/2", "self_hidden/2",

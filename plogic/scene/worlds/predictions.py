@@ -16,21 +16,17 @@ other, and a transparent object hides nothing.
 ...")``
 """
 
-from __future__ import annotations
-
 import math
-from typing import TYPE_CHECKING, NamedTuple
+from collections.abc import Iterator, Mapping
+from typing import NamedTuple
 
 import numpy as np
 
+from geometry.arrays import Mask
 from plogic.facts.dependence import Scene
-from plogic.scene.readings.score_reading import cells, p_ev
-
-if TYPE_CHECKING:
-    from collections.abc import Iterator
-
-    from plogic.facts.document import DoubtRow
-    from plogic.facts.situation import PairFact, Situation
+from plogic.facts.document import DoubtRow
+from plogic.facts.situation import PairFact, Situation
+from plogic.scene.readings.world_weights import cells, p_ev
 
 SAME = 1e-9
 """Two values of ev that differ by less are the same: they are sums of the same numbers."""
@@ -61,8 +57,12 @@ class Doubt(NamedTuple):
 def doubts(situation: Situation) -> tuple[Doubt, ...]:
     """Every prediction of §3.8 that fails, in the order of the relations."""
     scene = Scene(situation)
+    alone = {h.id: _ev(scene, h.id) for h in situation.hypotheses}
     return tuple(
-        doubt for fact in situation.relations if not scene.rival(fact.x, fact.y) for doubt in _of_pair(scene, fact)
+        doubt
+        for fact in situation.relations
+        if not scene.rival(fact.x, fact.y)
+        for doubt in _of_pair(scene, fact, alone)
     )
 
 
@@ -71,43 +71,36 @@ def said(doubt: Doubt) -> str:
     return f"a reason to doubt {doubt.relation}({', '.join(doubt.args)}): expected {doubt.expected}, found {doubt.found}: {doubt.why}"
 
 
-def _of_pair(scene: Scene, fact: PairFact) -> Iterator[Doubt]:
+def _of_pair(scene: Scene, fact: PairFact, alone: Mapping[str, float]) -> Iterator[Doubt]:
     """What fails of what the relation of (x, y) says; what is its own converse is said of (y, x) by another fact."""
     if fact.relation == "non_occludes":
-        yield from _unchanged(scene, fact, fact.y, fact.x)
+        yield from _unchanged(scene, fact, (fact.y, fact.x), alone[fact.y])
         return
     if fact.relation in ("partially_occludes", "totally_occludes"):
-        yield from _unchanged(scene, fact, fact.x, fact.y)
+        yield from _unchanged(scene, fact, (fact.x, fact.y), alone[fact.x])
     if fact.relation == "totally_occludes":
         yield from _without_evidence(scene, fact)
     else:
-        yield from _not_lower(scene, fact)
+        yield from _not_lower(scene, fact, alone[fact.y])
 
 
-def _unchanged(scene: Scene, fact: PairFact, subject: str, other: str) -> Iterator[Doubt]:
-    alone, beside = _ev(scene, subject), _ev(scene, subject, other)
-    if not _same(alone, beside):
+def _unchanged(scene: Scene, fact: PairFact, pair: tuple[str, str], alone: float) -> Iterator[Doubt]:
+    subject, other = pair
+    beside = _ev(scene, subject, other) if _bears_on(scene, subject, other) else alone
+    if not (math.isnan(alone) and math.isnan(beside)) and not abs(alone - beside) <= SAME:
         hidden = _named(_hidden(scene, subject, other))
         why = f"{other} is nowhere in front of {subject}, and yet the line of sight to {hidden} meets it first"
-        yield Doubt(
-            fact.relation,
-            (fact.x, fact.y),
-            f"ev({subject} given {other}) = ev({subject}) = {_signed(alone)}",
-            _signed(beside),
-            why,
-        )
+        what = f"ev({subject} given {other}) = ev({subject}) = {_signed(alone)}"
+        yield Doubt(fact.relation, (fact.x, fact.y), what, _signed(beside), why)
 
 
-def _not_lower(scene: Scene, fact: PairFact) -> Iterator[Doubt]:
-    h = scene.by_id[fact.y]
+def _not_lower(scene: Scene, fact: PairFact, alone: float) -> Iterator[Doubt]:
     hidden = set(_hidden(scene, fact.y, fact.x))
-    alone, beside = _ev(scene, fact.y), _ev(scene, fact.y, fact.x)
-    detected = any(f.id in hidden and f.match is not None for f in h.features)
+    beside = _ev(scene, fact.y, fact.x) if _bears_on(scene, fact.y, fact.x) else alone
+    detected = any(f.id in hidden and f.match is not None for f in scene.by_id[fact.y].features)
     if not detected and alone - beside > SAME:
-        expected, why = (
-            f"ev({fact.y} given {fact.x}) >= ev({fact.y}) = {_signed(alone)}",
-            f"{fact.x} hides no detected feature of {fact.y}",
-        )
+        expected = f"ev({fact.y} given {fact.x}) >= ev({fact.y}) = {_signed(alone)}"
+        why = f"{fact.x} hides no detected feature of {fact.y}"
         yield Doubt(fact.relation, (fact.x, fact.y), expected, _signed(beside), why)
 
 
@@ -120,11 +113,19 @@ def _without_evidence(scene: Scene, fact: PairFact) -> Iterator[Doubt]:
     detected = [name for name, cell in found.items() if cell.detected[0]]
     if expected or detected:
         some = _named(list(dict.fromkeys([*detected, *expected])))
-        what = f"{len(expected)} expected, {len(detected)} detected"
+        wanted = f"no feature of {fact.y} expected or detected given {fact.x}"
         why = f"{some} of {fact.y}, whose image {fact.x} covers, should be hidden"
-        yield Doubt(
-            fact.relation, (fact.x, fact.y), f"no feature of {fact.y} expected or detected given {fact.x}", what, why
-        )
+        what = f"{len(expected)} expected, {len(detected)} detected"
+        yield Doubt(fact.relation, (fact.x, fact.y), wanted, what, why)
+
+
+def _bears_on(scene: Scene, name: str, other: str) -> bool:
+    """Whether the presence of ``other`` may change a cell of ``name``: it hides a feature, or claims its appearance."""
+    h, robbed = scene.by_id[name], scene.situation.reconsider == "reassign"
+    return any(
+        other in scene.hiders(h, f) or (robbed and any(g.id == other for g, _ in scene.robbers(h, f)))
+        for f in h.features
+    )
 
 
 def _ev(scene: Scene, name: str, *others: str) -> float:
@@ -132,7 +133,7 @@ def _ev(scene: Scene, name: str, *others: str) -> float:
     return 2.0 * float(p_ev(scene, scene.by_id[name], _present(scene, name, *others))[0]) - 1.0
 
 
-def _present(scene: Scene, *names: str) -> dict[str, np.ndarray[tuple[int], np.dtype[np.bool_]]]:
+def _present(scene: Scene, *names: str) -> dict[str, Mask]:
     return {h: np.array([h in names]) for h in scene.by_id}
 
 
@@ -140,10 +141,6 @@ def _hidden(scene: Scene, name: str, other: str) -> list[str]:
     """The features of a hypothesis, expected of it alone, that the other hides (D4)."""
     h = scene.by_id[name]
     return [f.id for f in h.features if f.in_image and h.expects(f) and other in scene.hiders(h, f)]
-
-
-def _same(one: float, other: float) -> bool:
-    return (math.isnan(one) and math.isnan(other)) or abs(one - other) <= SAME
 
 
 def _named(features: list[str]) -> str:

@@ -11,40 +11,143 @@ those that a world decides need not be, for they add no joint state to it. Where
 appearance that very many claim), joint states with it are ranked instead: a world weighs at most its heaviest joint
 state times the number of joint auxiliary states, so a world whose sum is known may be told as soon as no world that is
 yet unseen can be heavier.
-"""
 
-from __future__ import annotations
+What causes each appearance in one world is told by the fixed matchings (score) or their most probable assignment
+(posterior). There sets of hypotheses are bits of a number, that of the i-th in Δh being 1 << i. A ``Claim`` is a
+candidate feature that is matched to an appearance, with what hides it: ``Claim(0b1, "h1/roof/apex", 0.5, 0.05, 0.8,
+0b110)``.
+"""
 
 import contextlib
 import heapq
 import math
 import time
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from typing import NamedTuple
 
 import numpy as np
 
+from plogic.base.bounds import alternative, bounded
 from plogic.base.clock import Clock, OutOfTimeError
 from plogic.base.errors import InconsistentError, LimitError, WidthError
+from plogic.facts.hypothesis import Hypothesis
 from plogic.facts.sanity import check
+from plogic.facts.situation import Situation
 from plogic.inference.gates import Literal, observed
-from plogic.inference.graph import FactorGraph, connected
+from plogic.inference.graph import Beliefs, FactorGraph, connected
 from plogic.inference.marginals import beliefs, summed_out
 from plogic.inference.ranked import Ranked
-from plogic.scene.factors.alternatives import cast_of
-from plogic.scene.factors.scene_graph import scene_graph
-from plogic.scene.worlds.causes import CauseTable
+from plogic.scene.factors.scene_graph import SceneGraph, scene_graph
+from plogic.scene.factors.weight_tables import Cast, cast_of
 
-if TYPE_CHECKING:
-    from collections.abc import Iterator
+Weighed = tuple[float, tuple[int, ...]]
+Interval = tuple[float, float]
+Listed = list[tuple[float, tuple[str, ...]]]
 
-    from plogic.facts.situation import Situation
-    from plogic.inference.graph import Beliefs
-    from plogic.scene.factors.scene_graph import SceneGraph
 
-    Weighed = tuple[float, tuple[int, ...]]
-    Interval = tuple[float, float]
-    Listed = list[tuple[float, tuple[str, ...]]]
+NOISE = "noise"
+
+
+class Claim(NamedTuple):
+    """``label``: what the cause is called; ``residual`` in pixels, inf where there is none; ``density`` per pixel².
+
+    ``hit`` h_F.
+    """
+
+    hypothesis: int
+    label: str
+    residual: float
+    density: float
+    hit: float
+    hiders: int
+
+
+class CauseTable:
+    """The claims of every appearance of Γ, and which appearances the presence of a hypothesis can touch."""
+
+    def __init__(self, cast: Cast) -> None:
+        situation = cast.situation
+        self._score = situation.reading == "score"
+        self._clutter = {a.id: a.clutter for a in situation.appearances}
+        self._bit = {h.id: 1 << i for i, h in enumerate(situation.hypotheses)}
+        self._claims: dict[str, list[Claim]] = {a: [] for a in self._clutter}
+        self._touched: dict[str, list[str]] = {name: [] for name in self._bit}
+        self._relevant = dict.fromkeys(self._clutter, 0)
+        self._known: dict[str, dict[int, str]] = {a: {} for a in self._clutter}
+        self._shares: dict[str, list[float]] = {}
+        for h in situation.hypotheses:
+            self._add_claims(cast, h)
+
+    def _add_claims(self, cast: Cast, h: Hypothesis) -> None:
+        name, mine, bit = h.id, self._bit[h.id], self._bit
+        for f in h.features:
+            match = f.match
+            if match is None or not h.expects(f):
+                continue
+            hiders = 0
+            for g in cast.hiders(h, f) if f.hidden_by else ():
+                hiders |= bit[g]
+                self._touched[g].append(match)
+            residual = float("inf") if f.residual is None else f.residual
+            self._claims[match].append(Claim(mine, f"{name}/{f.id}", residual, f.density, bounded(f.hit_rate), hiders))
+            self._touched[name].append(match)
+            self._relevant[match] |= mine | hiders
+
+    def causes(self, worlds: Sequence[Sequence[str]]) -> list[dict[str, str]]:
+        """For each world: appearance → ``"h1/roof/apex"`` or ``"noise"``, for every appearance, exactly one each (trap a).
+
+        Worlds differ in a few hypotheses: only what these touch is looked at anew.
+        """
+        if not worlds:
+            return []
+        first, known, relevant = set(worlds[0]), self._known, self._relevant
+        base = sum(self._bit[name] for name in first)
+        found = [{a: self._cause(a, base) for a in self._claims}]
+        for world in worlds[1:]:
+            changed = first.symmetric_difference(world)
+            present = base ^ sum([self._bit[name] for name in changed])
+            anew = set[str]().union(*[self._touched[name] for name in changed])
+            found.append(found[0] | {a: known[a].get(present & relevant[a]) or self._cause(a, present) for a in anew})
+        return found
+
+    def _cause(self, appearance: str, present: int) -> str:
+        """Only whether those are present matters who claim the appearance, or hide what does."""
+        known, key = self._known[appearance], present & self._relevant[appearance]
+        if key not in known:
+            live = [i for i, c in enumerate(self._claims[appearance]) if key & c.hypothesis and not key & c.hiders]
+            known[key] = (
+                NOISE
+                if not live
+                else self._nearest(appearance, live)
+                if self._score
+                else self._likeliest(appearance, live)
+            )
+        return known[key]
+
+    def _nearest(self, appearance: str, live: list[int]) -> str:
+        """Where two expect the same appearance, the smaller residual takes it; then the earlier in Δh."""
+        return min([self._claims[appearance][i] for i in live], key=lambda claim: claim.residual).label
+
+    def _likeliest(self, appearance: str, live: list[int]) -> str:
+        """The largest term of Σ_i N_i h_i Π_{j≠i}(1−h_j) + f Π_j(1−h_j); ties go to a claimant, the earliest in Δh."""
+        claims, clutter = self._claims[appearance], self._clutter[appearance]
+        if appearance not in self._shares:
+            self._shares[appearance] = alternative([*[c.density for c in claims], clutter]) or [0.0] * (len(claims) + 1)
+        shares = self._shares[appearance]
+        most, likeliest = -1.0, NOISE
+        for i in live:
+            term = _term(shares[i], claims, live, i)
+            if term > most:
+                most, likeliest = term, claims[i].label
+        return NOISE if _term(shares[-1], claims, live, None) > most else likeliest
+
+
+def _term(share: float, claims: list[Claim], live: list[int], cause: int | None) -> float:
+    for i in live:
+        hit = claims[i].hit
+        share *= hit if i == cause else 1.0 - hit
+    return share
 
 
 def weighed(scene: SceneGraph, clock: Clock) -> Iterator[Weighed]:
@@ -85,12 +188,9 @@ def _lazily(graph: FactorGraph, count: int, spread: float, clock: Clock) -> Iter
         if world not in seen:
             clock.check()
             seen.add(world)
-            heapq.heappush(waiting, (-_sum(graph, world), world))
+            held = observed(graph, [Literal(v, frozenset({s})) for v, s in enumerate(world)])
+            heapq.heappush(waiting, (-beliefs(held).log_z[1], world))
     yield from ((-minus, world) for minus, world in sorted(waiting))
-
-
-def _sum(graph: FactorGraph, world: tuple[int, ...]) -> float:
-    return beliefs(observed(graph, [Literal(v, frozenset({s})) for v, s in enumerate(world)])).log_z[1]
 
 
 TIE = 1e-9
@@ -162,13 +262,13 @@ def ranked_worlds(situation: Situation, n: int = 10, *, seconds: float | None = 
 def ranking_of(situation: Situation, scene: SceneGraph, belief: Beliefs, found: tuple[Listed, bool]) -> Ranking:
     """The ranking from what inference found: log weights and what is present, in any order, and whether that list is complete."""
     listed, complete = found
-    low, high = belief.log_z
-    low = max(low, _log_sum([weight for weight, _ in listed]))
-    log_z = (min(low, high), high)
+    known = float(np.logaddexp.reduce([weight for weight, _ in listed])) if listed else -math.inf
+    low, high = min(max(belief.log_z[0], known), belief.log_z[1]), belief.log_z[1]
+    log_z = low, high
+    chances = [(min(math.exp(weight - high), 1.0), min(math.exp(weight - low), 1.0)) for weight, _ in listed]
     causes = CauseTable(cast_of(situation)).causes([present for _, present in listed])
-    worlds = tuple(
-        World(_middle(p), present, c, p) for (p, present), c in zip(_chances(listed, log_z), causes, strict=True)
-    )
+    rows = zip(chances, listed, causes, strict=True)
+    worlds = tuple(World(_middle(p), present, c, p) for p, (_, present), c in rows)
     intervals = {h.id: _interval(belief, *scene.place[h.id]) for h in situation.hypotheses}
     return Ranking(
         worlds,
@@ -205,13 +305,6 @@ def listed_worlds(situation: Situation, scene: SceneGraph, n: int, end: float | 
     return listed, complete or len(listed) == n
 
 
-def _chances(listed: Listed, log_z: Interval) -> list[tuple[Interval, tuple[str, ...]]]:
-    return [
-        ((min(math.exp(weight - log_z[1]), 1.0), min(math.exp(weight - log_z[0]), 1.0)), present)
-        for weight, present in listed
-    ]
-
-
 def _unlisted(worlds: tuple[World, ...]) -> Interval:
     low, high = (1.0 - math.fsum(w.interval[end] for w in worlds) for end in (1, 0))
     return (0.0 if low < 1e-12 else low, 0.0 if high < 1e-12 else high)
@@ -224,10 +317,6 @@ def _interval(belief: Beliefs, v: int, s: int) -> Interval:
 def _middle(interval: Interval) -> float:
     low, high = interval
     return low if low == high else (low + high) / 2
-
-
-def _log_sum(logs: list[float]) -> float:
-    return float(np.logaddexp.reduce(logs)) if logs else -math.inf
 
 
 def _reason(scene: SceneGraph) -> str:

@@ -1,38 +1,98 @@
-"""Case D decided (§4.4): from the unexplained data of moved views to unknown objects, noise, and what no view could tell."""
+"""Case D decided (§4.4): from the unexplained data of moved views to unknown objects, noise, and what no view could tell.
 
-from __future__ import annotations
+A datum has one cause. So which tracks there are is decided of all together: by a packing of greatest weight, and the
+probability of each track in it.
+"""
 
-from typing import TYPE_CHECKING
+from collections.abc import Mapping, Sequence
 
 import numpy as np
 
-from plogic.sequence.constancy.packing import packing, probabilities
+from geometry.arrays import Floats, Indices, Mask
+from kb.clouds.cloud import Rates
 from plogic.sequence.constancy.result import Constancy, PhysicalFeature, UnknownObject
-from plogic.sequence.constancy.sight_lines import sights_of
+from plogic.sequence.constancy.sight_lines import Sights, View, sights_of
 from plogic.sequence.constancy.tracks import DEPTHS, MIN_PARALLAX, Tracks, tracks_of
-from plogic.sequence.constancy.weights import company_of, log_weights, spacing
+from plogic.sequence.constancy.weights import Hidden, company_of, log_weights, spacing
 
-if TYPE_CHECKING:
-    from collections.abc import Mapping, Sequence
 
-    from numpy.typing import NDArray
+def packing(data: Indices, weight: Floats) -> Indices:
+    """Indices, ascending, of tracks ``data`` (T, V) that share no datum, of great total ``weight`` (T,).
 
-    from kb.clouds.cloud import Rates
-    from plogic.sequence.constancy.sight_lines import Sights
-    from plogic.sequence.constancy.weights import Hidden
-    from plogic.sequence.views.view import View
+    Greedy, the heaviest first; then one is put in wherever it weighs more than all that it displaces, the most gainful
+    first, until none does. Of equally heavy ones the first. It ends, for the total rises each time.
+    """
+    owner = _owners(data)
+    for t in np.argsort(-weight, kind="stable").tolist():
+        if weight[t] <= 0.0:
+            break
+        if not displaced(data[t : t + 1], owner)[0].any():
+            _put(owner, data[t], t)
+    while True:
+        gain = weight - _cost(data, owner, weight)
+        best = int(gain.argmax()) if len(gain) else -1
+        if best < 0 or gain[best] <= 1e-9:
+            break
+        owner[np.isin(owner, displaced(data[best : best + 1], owner)[1])] = -1
+        _put(owner, data[best], best)
+    return np.unique(owner[owner >= 0])
 
-    Floats = NDArray[np.float64]
-    Ints = NDArray[np.intp]
 
-    Flags = NDArray[np.bool_]
+def probabilities(data: Indices, weight: Floats, chosen: Indices) -> Floats:
+    """(C,) that each chosen track is a physical feature, with all others as they are.
+
+    Of the worlds that differ from the packing in what takes this track's data: itself, nothing, or a rival that
+    displaces it (and, at their cost, others). Those count for it that keep two of its data together.
+    """
+    owner = _owners(data)
+    for t in chosen.tolist():
+        _put(owner, data[t], t)
+    cost, own = _cost(data, owner, weight), _owned(data, owner)
+    answers = []
+    for t in chosen.tolist():
+        shared = (own == t).sum(axis=1)
+        rivals = np.flatnonzero((shared > 0) & (np.arange(len(data)) != t))
+        every = np.concatenate([[weight[t], 0.0], weight[rivals] - (cost[rivals] - weight[t])])
+        every = np.exp(every - float(every.max()))
+        answers.append((every[0] + every[2:][shared[rivals] > 1].sum()) / every.sum())
+    return np.array(answers)
+
+
+def displaced(data: Indices, owner: Indices) -> tuple[Indices, Indices]:
+    """Of tracks (T, V): (T, V) whether a datum is taken; and all those that took one."""
+    own = _owned(data, owner)
+    return np.asarray(own >= 0), np.unique(own[own >= 0])
+
+
+def _owners(data: Indices) -> Indices:
+    """(V, N) the chosen track of each datum: -1, nobody yet."""
+    return np.full((data.shape[1], int(data.max(initial=0)) + 1), -1, np.intp)
+
+
+def _put(owner: Indices, row: Indices, track: int) -> None:
+    views = np.flatnonzero(row >= 0)
+    owner[views, row[views]] = track
+
+
+def _owned(data: Indices, owner: Indices) -> Indices:
+    """(T, V) the chosen track that has each datum of each track, -1 where nobody has."""
+    return np.where(data >= 0, owner[np.arange(data.shape[1]), data], -1)
+
+
+def _cost(data: Indices, owner: Indices, weight: Floats) -> Floats:
+    """(T,) the weight of all the chosen tracks that each would displace, each counted once."""
+    own = np.sort(_owned(data, owner), axis=1)
+    first = own >= 0
+    first[:, 1:] &= own[:, 1:] != own[:, :-1]
+    return np.where(first, weight[own], 0.0).sum(axis=1) if len(data) else np.zeros(0)
+
 
 REACH = 2.0
 """Two features are of one object where they are nearer than so many spacings (the median distance to a third
 neighbour), or linked by others."""
 
 
-def clusters(at: Floats) -> list[Ints]:
+def clusters(at: Floats) -> list[Indices]:
     """Indices of places (N, 3) m, an array a cluster: the largest first, of equally large ones that with the first place."""
     from scipy.cluster.hierarchy import fcluster, linkage
 
@@ -61,7 +121,7 @@ def unknown_objects(
 ) -> Constancy:
     """What is physical of the ``unexplained`` data (ids by view): seen at one place from two views or more, and again where it should be.
 
-    ``hidden`` says which places the known bodies hide from a view (``plogic.sequence.views.panorama_document``). A pure
+    ``hidden`` says which places the known bodies hide from a view (``plogic.sequence.views.panorama``). A pure
     function of all the views: the order of data changes nothing but the numbering. Two looks: the second knows where
     the first found features, for features come in objects; with ``looks`` 1 there is none.
     """
@@ -70,7 +130,7 @@ def unknown_objects(
     if tracks is None or not len(tracks.kind):
         return _answer(sights, None, np.zeros(0), hidden)
     weight = log_weights(sights, tracks, hidden)
-    tracks, weight = tracks.some(weight > HOPELESS - FAR), weight[weight > HOPELESS - FAR]
+    tracks, weight = tracks.take(weight > HOPELESS - FAR), weight[weight > HOPELESS - FAR]
     chosen = packing(tracks.data, weight)
     sure = chosen[probabilities(tracks.data, weight, chosen) >= CERTAIN]
     company = company_of(tracks.data[sure], tracks.places.at[sure])
@@ -78,8 +138,8 @@ def unknown_objects(
         weight = log_weights(sights, tracks, hidden, company)
     chosen = packing(tracks.data, weight)
     probability = probabilities(tracks.data, weight, chosen)
-    kept = chosen[probability >= PHYSICAL]
-    return _answer(sights, tracks.some(kept), probability[probability >= PHYSICAL], hidden)
+    physical = probability >= PHYSICAL
+    return _answer(sights, tracks.take(chosen[physical]), probability[physical], hidden)
 
 
 FAR = 8.0
@@ -94,23 +154,31 @@ def _answer(sights: Sights, tracks: Tracks | None, probability: Floats, hidden: 
         told = tellable(sights, v, hidden).tolist()
         noise[view.id] = tuple(name for i, name in enumerate(sights.ids[v]) if i not in taken and told[i])
         undecided[view.id] = tuple(name for i, name in enumerate(sights.ids[v]) if i not in taken and not told[i])
-    return Constancy(() if tracks is None else _objects(sights, tracks, probability), noise, undecided)
-
-
-def _objects(sights: Sights, tracks: Tracks, probability: Floats) -> tuple[UnknownObject, ...]:
-    groups = clusters(tracks.places.at)
-    return tuple(_object(f"u{n}", sights, tracks.some(group), probability[group]) for n, group in enumerate(groups, 1))
+    unknown = (
+        ()
+        if tracks is None
+        else tuple(
+            _object(f"u{n}", sights, tracks.take(group), probability[group])
+            for n, group in enumerate(clusters(tracks.places.at), 1)
+        )
+    )
+    return Constancy(unknown, noise, undecided)
 
 
 def _object(name: str, sights: Sights, tracks: Tracks, probability: Floats) -> UnknownObject:
     worst = np.sqrt(np.linalg.eigvalsh(tracks.places.covariance)[:, -1])
-    features = []
-    for i, row in enumerate(tracks.data.tolist()):
-        data = {sights.views[v].id: sights.ids[v][d] for v, d in enumerate(row) if d >= 0}
-        kind = sights.types[tracks.kind[i]]
-        features.append(
-            PhysicalFeature(f"{name}/f{i + 1}", kind, tracks.places.at[i], float(worst[i]), float(probability[i]), data)
+    rows = zip(tracks.data.tolist(), tracks.kind, tracks.places.at, worst.tolist(), probability.tolist(), strict=True)
+    features = [
+        PhysicalFeature(
+            f"{name}/f{i}",
+            sights.types[kind],
+            at,
+            sigma,
+            chance,
+            {sights.views[v].id: sights.ids[v][d] for v, d in enumerate(row) if d >= 0},
         )
+        for i, (row, kind, at, sigma, chance) in enumerate(rows, 1)
+    ]
     return UnknownObject(name, float(1.0 - np.prod(1.0 - probability)), tuple(features))
 
 
@@ -121,7 +189,7 @@ SHARE = 0.25
 on; this leaves a margin."""
 
 
-def tellable(sights: Sights, v: int, hidden: Hidden | None) -> Flags:
+def tellable(sights: Sights, v: int, hidden: Hidden | None) -> Mask:
     """(N,) of the data of view ``v``: whether another view could have told.
 
     At a quarter of the depths or more where its place may be, some other view has it in its image, hidden by nothing
@@ -129,8 +197,7 @@ def tellable(sights: Sights, v: int, hidden: Hidden | None) -> Flags:
     """
     count = len(sights.ids[v])
     depths = np.geomspace(*DEPTHS, STEPS)
-    rays = np.column_stack([sights.xy[v, :count], np.ones(count)])
-    points = (rays[:, None] * depths[:, None]).reshape(-1, 3)
+    points = (np.column_stack([sights.xy[v, :count], np.ones(count)])[:, None] * depths[:, None]).reshape(-1, 3)
     frame = np.linalg.inv(sights.camera_from_world[v])
     world = points @ frame[:3, :3].T + frame[:3, 3]
     told = sights.in_image(world)

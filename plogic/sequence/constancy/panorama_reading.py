@@ -4,8 +4,6 @@ The document may come from anywhere: its size is bounded, every key that is used
 line.
 """
 
-from __future__ import annotations
-
 from typing import Annotated, Any, Literal
 
 from pydantic import BaseModel, Field, ValidationError

@@ -1,34 +1,49 @@
-"""The unexplained data of a sequence as arrays: lines of sight from known places.
+"""The unexplained data of a sequence as arrays, lines of sight from known places; and where tracks of them triangulate to.
 
-Vocabulary: a ``Sights`` holds V views of at most N data each; a *track* is a row (V,) of indices, one datum a view at
-most, -1 for none.
+Vocabulary: a ``View`` is one image, ``View("v1", Gamma(...), world_from_camera)``; a ``Sights`` holds V views of at
+most N data each; a *track* is a row (V,) of indices, one datum a view at most, -1 for none; ``Places``, of T tracks:
+the most likely place of each, its covariance, and how well it fits. Inside, an *observation* is one datum of one track;
+there are O of them, those of a track together.
 """
 
-from __future__ import annotations
-
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from typing import NamedTuple
 
 import numpy as np
 
-from geometry.frames import inverse
-
-if TYPE_CHECKING:
-    from collections.abc import Mapping, Sequence
-
-    from numpy.typing import NDArray
-
-    from kb.clouds.cloud import Rates
-    from plogic.sequence.views.view import View
-    from sensing.appearance import Appearance
-
-    Floats = NDArray[np.float64]
-    Ints = NDArray[np.intp]
+from geometry.arrays import Floats, Indices, Mask, frozen
+from geometry.errors import GeometryError
+from geometry.frames import inverse, is_rigid
+from kb.clouds.cloud import Rates
+from plogic.match.gamma.data import Columns
+from sensing.appearance import Appearance, Gamma
 
 HIT = 0.8
 """Chance that a feature is detected, where the KB states none (as ``kb.yaml`` has it)."""
 CLUTTER = 1.0
 """Data of clutter an image, of an appearance type of which the KB states none (as the engine has it)."""
+
+
+@dataclass(frozen=True, eq=False)
+class View:
+    """One image of a sequence: ``id`` ('v1'), its Γ, and where its camera stood: ``world_from_camera`` (4, 4), metres, world z up."""
+
+    id: str
+    gamma: Gamma
+    world_from_camera: Floats
+
+    def __post_init__(self) -> None:
+        """Keep a read-only pose, and Γ in its order. Raises GeometryError where the pose is not rigid."""
+        if not is_rigid(self.world_from_camera):
+            raise GeometryError(f"{self.id}: T_world_camera must be a rotation and a translation")
+        object.__setattr__(self, "world_from_camera", frozen(self.world_from_camera))
+        object.__setattr__(self, "gamma", self.gamma.in_order())
+
+    @property
+    def camera_from_world(self) -> Floats:
+        """The inverse (4, 4)."""
+        return inverse(self.world_from_camera)
 
 
 @dataclass(frozen=True, eq=False)
@@ -46,7 +61,7 @@ class Sights:
     ids: tuple[tuple[str, ...], ...]
     types: tuple[str, ...]
     xy: Floats
-    kind: Ints
+    kind: Indices
     camera_from_world: Floats
     eye: Floats
     sigma: Floats
@@ -56,17 +71,14 @@ class Sights:
     angle: Floats
     sigma_angle: float | None
 
-    def seen(self, tracks: Ints) -> Floats:
+    def seen(self, tracks: Indices) -> Floats:
         """(T, V, 2) ideal places of the tracks' data, NaN where a view has none."""
-        places = self.xy[np.arange(len(self.views)), tracks]
-        return np.where(tracks[..., None] >= 0, places, np.nan)
+        return np.where(tracks[..., None] >= 0, self.xy[np.arange(len(self.views)), tracks], np.nan)
 
-    def in_image(self, world: Floats) -> NDArray[np.bool_]:
+    def in_image(self, world: Floats) -> Mask:
         """(T, V) whether the places (T, 3) m lie in each view's image."""
-        masks = []
-        for view, frame in zip(self.views, self.camera_from_world, strict=True):
-            points = world @ frame[:3, :3].T + frame[:3, 3]
-            masks.append(view.gamma.camera.contains(view.gamma.camera.project(points)))
+        rows = zip((view.gamma.camera for view in self.views), self.camera_from_world, strict=True)
+        masks = [camera.contains(camera.project(world @ frame[:3, :3].T + frame[:3, 3])) for camera, frame in rows]
         return np.stack(masks, axis=-1).reshape(len(world), len(self.views))
 
 
@@ -117,7 +129,123 @@ def _rows(view: View, ids: Sequence[str]) -> list[Appearance]:
     """The view's data of these ids, in the order of Γ."""
     wanted = set(ids)
     rows = [a for a in view.gamma.appearances if a.id in wanted]
-    if not rows:
-        return rows
-    there = np.isfinite(view.gamma.camera.normalised(np.array([a.uv for a in rows])))
+    there = np.isfinite(view.gamma.camera.normalised(np.array([a.uv for a in rows]).reshape(-1, 2)))
     return [a for a, ray in zip(rows, there, strict=True) if ray.all()]
+
+
+STEPS = 3
+"""Steps of Gauss-Newton from the linear solution."""
+NEAREST = 0.01
+"""m; depth below which a place is not in front of a camera."""
+WORST = 1e-15
+"""Determinant of the normal equations, as a share of the cube of their mean eigenvalue, below which a place is not
+determined."""
+
+
+@dataclass(frozen=True)
+class Places(Columns):
+    """``at`` (T, 3) m, world; ``covariance`` (T, 3, 3) m²; ``chi2`` (T,) of the residuals.
+
+    ``depth`` (T, V) m, NaN in other views.
+
+    ``parallax`` (T,) rad, the greatest between two of the track's lines of sight; ``good`` (T,): solved, and in front
+    of all its views.
+    """
+
+    at: Floats
+    covariance: Floats
+    chi2: Floats
+    depth: Floats
+    parallax: Floats
+    good: Mask
+
+
+class _Observed(NamedTuple):
+    """``track``, ``view`` (O,); ``first`` (T,) where each track's begin; ``seen`` (O, 2) ideal.
+
+    ``weight`` (O,) one over the noise.
+    """
+
+    track: Indices
+    view: Indices
+    first: Indices
+    seen: Floats
+    weight: Floats
+    R: Floats
+    t: Floats
+
+    def total(self, values: Floats) -> Floats:
+        """(T, ...) the sums of values (O, ...) over each track."""
+        return np.add.reduceat(values, self.first, axis=0)
+
+
+def places_of(sights: Sights, tracks: Indices, kind: Indices) -> Places:
+    """The places of ``tracks`` (T, V) of appearance types ``kind`` (T,), two data each at least, by least squares on the images."""
+    if not len(tracks):
+        none = np.zeros(0)
+        return Places(
+            np.zeros((0, 3)), np.zeros((0, 3, 3)), none, np.zeros((0, tracks.shape[1])), none, none.astype(bool)
+        )
+    observed = _observed(sights, tracks, kind)
+    at = _linear(sights, observed)
+    for _ in range(STEPS):
+        residual, jacobian, _ = _residuals(observed, at)
+        at = at - _solved(*_normal(observed, residual, jacobian))
+    residual, jacobian, z = _residuals(observed, at)
+    normal, _ = _normal(observed, residual, jacobian)
+    depth = np.full(tracks.shape, np.nan)
+    depth[observed.track, observed.view] = z
+    behind = observed.total((z <= NEAREST).astype(float)) > 0
+    determined = np.linalg.det(normal) > WORST * (np.trace(normal, axis1=1, axis2=2) / 3.0) ** 3
+    good = np.isfinite(at).all(axis=1) & ~behind & determined
+    covariance = np.linalg.inv(np.where(good[:, None, None], normal, np.eye(3)))
+    return Places(
+        at, covariance, observed.total((residual**2).sum(axis=1)), depth, _parallax(sights, at, tracks >= 0), good
+    )
+
+
+def _observed(sights: Sights, tracks: Indices, kind: Indices) -> _Observed:
+    track, view = np.nonzero(tracks >= 0)
+    first = np.searchsorted(track, np.arange(len(tracks)))
+    frames = sights.camera_from_world[view]
+    seen, weight = sights.xy[view, tracks[track, view]], 1.0 / sights.sigma[view, kind[track]]
+    return _Observed(track, view, first, seen, weight, frames[:, :3, :3], frames[:, :3, 3])
+
+
+def _linear(sights: Sights, observed: _Observed) -> Floats:
+    """(T, 3) the points nearest to the lines of sight."""
+    rays = (np.column_stack([observed.seen, np.ones(len(observed.seen))])[:, None] @ observed.R)[:, 0]
+    rays /= np.linalg.norm(rays, axis=-1, keepdims=True)
+    across = np.eye(3) - rays[:, :, None] * rays[:, None]
+    moved = (across @ sights.eye[observed.view][..., None])[..., 0]
+    return _solved(observed.total(across), observed.total(moved))
+
+
+def _solved(matrix: Floats, right: Floats) -> Floats:
+    """(T, 3) the solutions; a hair on the diagonal keeps singular systems finite, ``good`` tells them later."""
+    size = np.trace(matrix, axis1=1, axis2=2)[:, None, None]
+    return np.asarray(np.linalg.solve(matrix + np.eye(3) * (1e-12 * size + 1e-30), right[..., None])[..., 0])
+
+
+def _normal(observed: _Observed, residual: Floats, jacobian: Floats) -> tuple[Floats, Floats]:
+    """The normal equations: (T, 3, 3) and (T, 3)."""
+    turned = np.swapaxes(jacobian, 1, 2)
+    return observed.total(turned @ jacobian), observed.total((turned @ residual[..., None])[..., 0])
+
+
+def _residuals(observed: _Observed, at: Floats) -> tuple[Floats, Floats, Floats]:
+    """Residuals (O, 2) in standard deviations, their derivatives by the place (O, 2, 3), depths (O,) m."""
+    points = (observed.R @ at[observed.track][..., None])[..., 0] + observed.t
+    z = points[:, 2]
+    safe = np.where(np.abs(z) > NEAREST, z, NEAREST)
+    ideal = points[:, :2] / safe[:, None]
+    jacobian = (observed.R[:, :2] - ideal[..., None] * observed.R[:, 2:]) * (observed.weight / safe)[:, None, None]
+    return (ideal - observed.seen) * observed.weight[:, None], jacobian, z
+
+
+def _parallax(sights: Sights, at: Floats, mask: Mask) -> Floats:
+    sight = at[:, None] - sights.eye
+    sight /= np.maximum(np.linalg.norm(sight, axis=-1, keepdims=True), 1e-12)
+    cosine = sight @ np.swapaxes(sight, 1, 2)
+    both = mask[:, :, None] & mask[:, None]
+    return np.arccos(np.clip(np.where(both, cosine, 1.0).min(axis=(1, 2)), -1.0, 1.0))

@@ -3,23 +3,14 @@
 Vocabulary: ``Tracks``, T candidates with their appearance types and places.
 """
 
-from __future__ import annotations
-
+from dataclasses import dataclass
 from itertools import combinations
-from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
-from plogic.sequence.constancy.places import Places, places_of
-
-if TYPE_CHECKING:
-    from numpy.typing import NDArray
-
-    from plogic.sequence.constancy.sight_lines import Sights
-
-    Floats = NDArray[np.float64]
-    Ints = NDArray[np.intp]
-    Flags = NDArray[np.bool_]
+from geometry.arrays import Floats, Indices, Mask
+from plogic.match.gamma.data import Columns
+from plogic.sequence.constancy.sight_lines import Places, Sights, places_of
 
 MIN_PARALLAX = float(np.radians(2.0))
 """Between two lines of sight to a place: with less, views cannot tell how far away it is, and so not that it is one
@@ -34,19 +25,16 @@ RARE = 0.001
 """Share of true tracks whose residuals may be so large that they are lost."""
 
 
-class Tracks(NamedTuple):
+@dataclass(frozen=True)
+class Tracks(Columns):
     """``data`` (T, V): in each view the index of a datum, -1 for none; ``kind`` (T,) the number of its type.
 
     Where they lie.
     """
 
-    data: Ints
-    kind: Ints
+    data: Indices
+    kind: Indices
     places: Places
-
-    def some(self, which: Flags | Ints) -> Tracks:
-        """Those of an index or a mask."""
-        return Tracks(self.data[which], self.kind[which], self.places.some(which))
 
 
 def tracks_of(sights: Sights) -> Tracks:
@@ -63,7 +51,7 @@ def tracks_of(sights: Sights) -> Tracks:
     return _plausible(sights, _once(np.concatenate([first, later])))
 
 
-def _grown(sights: Sights, pairs: Ints) -> Ints:
+def _grown(sights: Sights, pairs: Indices) -> Indices:
     """(T, V) pairs that are plausible, threes on the way, and what each came to in the end."""
     current = _plausible(sights, pairs)
     found = [current.data]
@@ -72,38 +60,31 @@ def _grown(sights: Sights, pairs: Ints) -> Ints:
         more = (grown != current.data).any(axis=1)
         longer = _plausible(sights, _once(grown[more]))
         found.append(longer.data[(longer.data >= 0).sum(axis=1) <= SMALL])
-        current = _joined(longer, current.some(~more))
+        current = Tracks.joined([longer, current.take(~more)])
     return np.concatenate([*found, current.data])
 
 
-def _joined(one: Tracks, other: Tracks) -> Tracks:
-    """Both."""
-    places = Places(*(np.concatenate([a, b]) for a, b in zip(one.places, other.places, strict=True)))
-    return Tracks(np.concatenate([one.data, other.data]), np.concatenate([one.kind, other.kind]), places)
-
-
-def _once(data: Ints) -> Ints:
+def _once(data: Indices) -> Indices:
     """Each of some tracks (T, V) once, in a fixed order."""
     short = np.ascontiguousarray(data, np.int32)
     rows = short.view(np.dtype((np.void, short.dtype.itemsize * short.shape[1]))).ravel()
     return np.asarray(data[np.sort(np.unique(rows, return_index=True)[1])])
 
 
-def _within(tracks: Ints, pairs: Ints) -> Flags:
+def _within(tracks: Indices, pairs: Indices) -> Mask:
     """(T,) which pairs have both data in one of the tracks."""
     views, size = pairs.shape[1], int(max(tracks.max(initial=0), pairs.max(initial=0))) + 1
     codes = [
         ((i * size + tracks[both, i]) * views + j) * size + tracks[both, j]
         for i in range(views) for j in range(i + 1, views) if (both := (tracks[:, i] >= 0) & (tracks[:, j] >= 0)).any()
     ]  # fmt: skip
-    _, seen = np.nonzero(pairs >= 0)
-    i, j = seen.reshape(-1, 2).T
+    i, j = np.nonzero(pairs >= 0)[1].reshape(-1, 2).T
     rows = np.arange(len(pairs))
     own = ((i * size + pairs[rows, i]) * views + j) * size + pairs[rows, j]
     return np.isin(own, np.concatenate([np.zeros(0, np.intp), *codes]))
 
 
-def _plausible(sights: Sights, data: Ints) -> Tracks:
+def _plausible(sights: Sights, data: Indices) -> Tracks:
     """Those in front of their cameras, at a depth that is sought, with parallax enough, whose residuals are no larger than noise makes them."""
     from scipy.special import chdtri
 
@@ -114,16 +95,16 @@ def _plausible(sights: Sights, data: Ints) -> Tracks:
     with np.errstate(invalid="ignore"):
         near = (~(depth < DEPTHS[0]) & ~(depth > DEPTHS[1])).all(axis=1)
     fits = places.chi2 < chdtri(np.maximum(freedom, 1), RARE)
-    return Tracks(data, kind, places).some(places.good & near & fits & (places.parallax >= MIN_PARALLAX))
+    return Tracks(data, kind, places).take(places.good & near & fits & (places.parallax >= MIN_PARALLAX))
 
 
-def _kinds(sights: Sights, data: Ints) -> Ints:
+def _kinds(sights: Sights, data: Indices) -> Indices:
     """(T,) the appearance type of each track's data."""
     first = (data >= 0).argmax(axis=1)
     return np.asarray(sights.kind[first, data[np.arange(len(data)), first]]) if len(data) else np.zeros(0, np.intp)
 
 
-def _taken_up(sights: Sights, tracks: Tracks, v: int) -> Ints:
+def _taken_up(sights: Sights, tracks: Tracks, v: int) -> Indices:
     """(T, V) the tracks with the datum of view ``v`` that is nearest to where they lead.
 
     As they were where there is none, or one already.
@@ -132,7 +113,7 @@ def _taken_up(sights: Sights, tracks: Tracks, v: int) -> Ints:
     free = np.flatnonzero(tracks.data[:, v] < 0)
     if not len(free) or not sights.xy.shape[1]:
         return grown
-    squared = _squared(sights, tracks.some(free), v)
+    squared = _squared(sights, tracks.take(free), v)
     squared[sights.kind[v][None] != tracks.kind[free][:, None]] = np.inf
     nearest = squared.argmin(axis=1)
     close = squared[np.arange(len(free)), nearest] < GATE
@@ -144,8 +125,7 @@ def _squared(sights: Sights, tracks: Tracks, v: int) -> Floats:
     """(T, N) squared Mahalanobis distances of a view's data from where the tracks' places are seen, by the places' own uncertainty too."""
     R, t = sights.camera_from_world[v, :3, :3], sights.camera_from_world[v, :3, 3]
     points = tracks.places.at @ R.T + t
-    z = points[:, 2:]
-    safe = np.where(z > DEPTHS[0] / 10, z, np.nan)
+    safe = np.where(points[:, 2:] > DEPTHS[0] / 10, points[:, 2:], np.nan)
     ideal = points[:, :2] / safe
     jacobian = (R[None, :2] - ideal[..., None] * R[None, 2:]) / safe[..., None]
     spread = jacobian @ tracks.places.covariance @ np.swapaxes(jacobian, 1, 2)
@@ -164,26 +144,25 @@ LEAST_BASELINE = 1e-4
 """m between two cameras, below which nothing can be triangulated."""
 
 
-def pairs_of(sights: Sights) -> Ints:
+def pairs_of(sights: Sights) -> Indices:
     """(T, V) tracks of two data each, of one type, whose lines of sight meet within the noise."""
     count = len(sights.views)
     found = [_between(sights, i, j) for i, j in combinations(range(count), 2)]
     return np.concatenate([np.zeros((0, count), np.intp), *found])
 
 
-def _between(sights: Sights, i: int, j: int) -> Ints:
+def _between(sights: Sights, i: int, j: int) -> Indices:
     """(T, V) those of two views."""
     if np.linalg.norm(sights.eye[i] - sights.eye[j]) < LEAST_BASELINE:
         return np.zeros((0, len(sights.views)), np.intp)
-    same = (sights.kind[i][:, None] == sights.kind[j]) & (sights.kind[i] >= 0)[:, None]
-    a, b = np.nonzero(same)
+    a, b = np.nonzero((sights.kind[i][:, None] == sights.kind[j]) & (sights.kind[i] >= 0)[:, None])
     close = sampson(sights, i, j, a, b) < PAIR_GATE
     tracks = np.full((int(close.sum()), len(sights.views)), -1, np.intp)
     tracks[:, i], tracks[:, j] = a[close], b[close]
     return tracks
 
 
-def sampson(sights: Sights, i: int, j: int, a: Ints, b: Ints) -> Floats:
+def sampson(sights: Sights, i: int, j: int, a: Indices, b: Indices) -> Floats:
     """(T,) squared distance from the epipolar lines, in variances, of the data ``a`` (T,) of view i and ``b`` (T,) of view j."""
     relative = sights.camera_from_world[j] @ np.linalg.inv(sights.camera_from_world[i])
     essential = _crossing(relative[:3, 3]) @ relative[:3, :3]

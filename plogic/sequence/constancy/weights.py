@@ -10,29 +10,19 @@ The integral is Laplace's: p(X̂) (2π)^{3/2} |C|^{1/2} Π N(u_i; û_i(X̂), σ�
 covariance.
 """
 
-from __future__ import annotations
-
+from collections.abc import Callable
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from typing import TypeAlias
 
 import numpy as np
 
-from plogic.match.gamma.screen_angles import screen_angle, wrapped
-from plogic.sequence.constancy.tracks import DEPTHS
+from geometry.arrays import Floats, Indices, Mask
+from plogic.match.gamma.grid import screen_angle, wrapped
+from plogic.sequence.constancy.sight_lines import Sights
+from plogic.sequence.constancy.tracks import DEPTHS, Tracks
 
-if TYPE_CHECKING:
-    from collections.abc import Callable
-
-    from numpy.typing import NDArray
-
-    from plogic.sequence.constancy.sight_lines import Sights
-    from plogic.sequence.constancy.tracks import Tracks
-
-    Floats = NDArray[np.float64]
-    Flags = NDArray[np.bool_]
-    Hidden = Callable[[str, Floats], Flags]
-    """Which places (N, 3) m, world, the bodies that are known hide from a view, by its id: a mask (N,)."""
-    Ints = NDArray[np.intp]
+Hidden: TypeAlias = Callable[[str, Floats], Mask]
+"""Which places (N, 3) m, world, the bodies that are known hide from a view, by its id: a mask (N,)."""
 
 NEIGHBOURS = 3
 """The spacing of some places is the median distance to the neighbour of this number."""
@@ -56,7 +46,7 @@ def spacing(at: Floats) -> float:
 class Company:
     """Certain tracks: their data (G, V), places (G, 3) m, and the spacing of these."""
 
-    data: Ints
+    data: Indices
     at: Floats
     reach: float
 
@@ -74,7 +64,7 @@ class Company:
         return np.asarray(np.log((1.0 - SHARE) * np.exp(elsewhere) + SHARE * density))
 
 
-def company_of(data: Ints, at: Floats) -> Company | None:
+def company_of(data: Indices, at: Floats) -> Company | None:
     """Of certain tracks (G, V) at places (G, 3); None of too few."""
     reach = spacing(at)
     return Company(data, at, reach) if len(at) >= LEAST_CERTAIN and reach > 0.0 else None
@@ -106,16 +96,14 @@ def log_place(sights: Sights, tracks: Tracks) -> Floats:
     area = np.array(
         [view.gamma.camera.width * view.gamma.camera.height / view.gamma.camera.f**2 for view in sights.views]
     )
-    span = np.log(DEPTHS[1] / DEPTHS[0])
-    density = 1.0 / (area * np.where(mask, tracks.places.depth, 1.0) ** 3 * span)
+    density = 1.0 / (area * np.where(mask, tracks.places.depth, 1.0) ** 3 * np.log(DEPTHS[1] / DEPTHS[0]))
     return np.asarray(np.log(np.where(mask, density, 0.0).sum(axis=1) / mask.sum(axis=1)))
 
 
 def _residuals_against_clutter(sights: Sights, tracks: Tracks) -> Floats:
     """(T,) ln of Π N(u_i; û_i, σ²I) / f_i."""
     mask = tracks.data >= 0
-    sigma, clutter = sights.sigma[:, tracks.kind].T, sights.clutter[:, tracks.kind].T
-    each = np.log(2.0 * np.pi * sigma**2 * clutter)
+    each = np.log(2.0 * np.pi * sights.sigma[:, tracks.kind].T ** 2 * sights.clutter[:, tracks.kind].T)
     return np.asarray(-0.5 * tracks.places.chi2 - np.where(mask, each, 0.0).sum(axis=1))
 
 
@@ -138,7 +126,7 @@ TRACKS = 1000
 """Tracks at a time: memory stays small."""
 
 
-def log_pattern(towards: Floats, in_view: Flags, detected: Flags, hit: Floats) -> Floats:
+def log_pattern(towards: Floats, in_view: Mask, detected: Mask, hit: Floats) -> Floats:
     """(T,) ln of P(detected so, in the views where the place is in view) / P(detected in a given one).
 
     ``towards`` (T, V, 3): unit directions from the place to the cameras; ``in_view`` (T, V): in the image and hidden by
@@ -150,7 +138,7 @@ def log_pattern(towards: Floats, in_view: Flags, detected: Flags, hit: Floats) -
     return np.concatenate([np.zeros(0), *(_pattern(towards[p], in_view[p], detected[p], hit[p]) for p in parts)])
 
 
-def _pattern(towards: Floats, in_view: Flags, detected: Flags, hit: Floats) -> Floats:
+def _pattern(towards: Floats, in_view: Mask, detected: Mask, hit: Floats) -> Floats:
     cosine = (towards @ _directions().T).astype(np.float32)  # (T, V, A)
     h = hit[:, None, None].astype(np.float32)
     total = np.zeros(len(towards))
@@ -205,10 +193,8 @@ def _turns(sights: Sights, at: Floats, angles: Floats, sigma: float) -> Floats:
     for v in range(len(sights.views)):
         there = np.flatnonzero(np.isfinite(angles[:, v]) & (first != v))
         seen = screen_angle(directions[there] @ R[v].T, (at[there] @ R[v].T + t[v])[:, None])
-        off = wrapped(seen - angles[there, v, None])
-        right = (
-            np.exp(-0.25 * (off / sigma) ** 2) * np.sqrt(np.pi) / sigma
-        )  # both angles are noisy: the variance is twice sigma², times 2π
+        # Both angles are noisy: the variance is twice sigma², times 2π.
+        right = np.exp(-0.25 * (wrapped(seen - angles[there, v, None]) / sigma) ** 2) * np.sqrt(np.pi) / sigma
         total[there] += np.log(STRAY + (1.0 - STRAY) * right)
     share = np.sin(theta) / np.sin(theta).sum()
     return np.asarray(

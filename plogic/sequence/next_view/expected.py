@@ -1,29 +1,106 @@
-"""What each world leads to expect from a camera (D7): every feature that is in the image, in a lobe, and not Behind what stands there.
+"""What may stand where, and what each world of it leads to expect from a camera (D7).
 
+Expected is every feature that is in the image, in a lobe, and not Behind what stands there.
+
+* ``Cloud``: how a type is seen, ``Cloud("t2", features=("roof/apex", ...), kinds=("apex", ...), lobes=table, hit=[0.95,
+  ...], rays=..., ...)``
+* ``Body``: one hypothesis, ``Body("h2", cloud, reference_from_object, opaque=True)``
+* ``Prospect``: bodies, worlds over them with their probabilities, and the detector, ``Prospect(bodies, present,
+  probability, ...)``
 * ``Sightings``: the N features of all bodies that would be expected if their body stood alone, with what may hide them
+
+The *reference* frame is any one in which bodies and candidate cameras are both told: the present camera's, or the
+world's.
 """
 
-from __future__ import annotations
-
+from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 
+from geometry.arrays import Floats, Indices, Mask
+from geometry.camera import Camera
 from geometry.frames import inverse, transform_points
-from geometry.visibility.rays import behind
-from kb.clouds.lobes import in_lobe
+from geometry.visibility.rays import RayMesh, behind
+from kb.clouds.lobes import LobeTable, in_lobe
 from plogic.facts.hypothesis import Seen, expected
 
-if TYPE_CHECKING:
-    from numpy.typing import NDArray
 
-    from geometry.camera import Camera
-    from plogic.sequence.next_view.prospect import Body, Cloud, Prospect
+@dataclass(frozen=True, eq=False)
+class Cloud:
+    """How a type is seen: F ``features`` by id, their ``kinds`` (types), L lobes (§2.7), and how often each is reported, ``hit`` (L,).
 
-    Floats = NDArray[np.float64]
-    Flags = NDArray[np.bool_]
-    Indices = NDArray[np.intp]
+    ``rays``: its surface, None where it has none. ``middle`` (3,) and ``radius``, m, object frame. ``slack``, m: how
+    far before a feature the surface must be met to hide it (§3.4); ``measured``: lobes were measured on the body
+    itself, which then hides nothing more of its own.
+    """
+
+    name: str
+    features: tuple[str, ...]
+    kinds: tuple[str, ...]
+    lobes: LobeTable
+    hit: Floats
+    rays: RayMesh | None
+    middle: Floats
+    radius: float
+    slack: float
+    measured: bool = False
+
+
+@dataclass(frozen=True, eq=False)
+class Body:
+    """One hypothesis at ``reference_from_object`` (4, 4), m."""
+
+    id: str
+    cloud: Cloud
+    reference_from_object: Floats
+    opaque: bool
+
+    @property
+    def middle(self) -> Floats:
+        """(3,) m, reference frame."""
+        return transform_points(self.reference_from_object, self.cloud.middle[None])[0]
+
+
+@dataclass(frozen=True, eq=False)
+class Prospect:
+    """B bodies and W worlds: ``present`` (W, B), ``probability`` (W,) that sums to 1 over those that are listed.
+
+    ``rivals``: unordered pairs of ids that never hide each other (§4.1). ``clutter``: expected data of noise an image,
+    by appearance type, of any
+    other type one. ``tolerance``: pixels (D8). ``f_ref``: pixels (§2.7).
+    """
+
+    bodies: tuple[Body, ...]
+    present: Mask
+    probability: Floats
+    rivals: frozenset[frozenset[str]]
+    clutter: Mapping[str, float]
+    tolerance: float
+    f_ref: float
+
+    @property
+    def marginals(self) -> Floats:
+        """(B,) P(present) of each body over the listed worlds."""
+        return np.asarray(self.probability @ self.present)
+
+    @property
+    def middle(self) -> Floats | None:
+        """(3,) m, reference frame: the middle of what may be there, by its probability; None where nothing is."""
+        weights = self.marginals
+        if not len(weights) or weights.sum() <= 0.0:
+            return None
+        return np.asarray(weights @ np.array([body.middle for body in self.bodies]) / weights.sum())
+
+    @property
+    def radius(self) -> float:
+        """M from the middle within which everything is that may be there; 0 where nothing is."""
+        middle = self.middle
+        if middle is None:
+            return 0.0
+        some = [body for body, weight in zip(self.bodies, self.marginals, strict=True) if weight > 0.0]
+        return max(float(np.linalg.norm(body.middle - middle)) + body.cloud.radius for body in some)
 
 
 @dataclass(frozen=True, eq=False)
@@ -39,12 +116,12 @@ class Sightings:
     body: Indices
     feature: Indices
     uv: Floats
-    looks: Flags
+    looks: Mask
     hit: Floats
-    hidden: Flags
+    hidden: Mask
     names: tuple[str, ...]
 
-    def expected(self, present: Flags) -> Flags:
+    def expected(self, present: Mask) -> Mask:
         """(W, N) Expected in each world (D7), where all are Expected alone: ``present`` (W, B)."""
         veiled = present.astype(np.float64) @ self.hidden.T.astype(np.float64) > 0.0
         everywhere = np.ones(len(self.body), bool)
@@ -57,7 +134,7 @@ class _Alone(NamedTuple):
 
     feature: Indices
     at: Floats
-    looks: Flags
+    looks: Mask
     hit: Floats
 
 
@@ -102,7 +179,7 @@ def _alone(body: Body, pose: Floats, camera: Camera, granularity: float, names: 
     return _Alone(feature[shown], at[shown], looks[feature[shown]], hit[feature[shown]])
 
 
-def _hidden(which: int, at: Floats, poses: list[Floats], prospect: Prospect) -> Flags:
+def _hidden(which: int, at: Floats, poses: list[Floats], prospect: Prospect) -> Mask:
     """(M, B) which other opaque bodies the features (M, 3) of one lie Behind.
 
     Rivals hide nothing of each other (§4.1).
@@ -139,8 +216,8 @@ class Sites(NamedTuple):
     ``report`` (W, S) P(a datum there | w).
     """
 
-    of: NDArray[np.intp]
-    expected: NDArray[np.bool_]
+    of: Indices
+    expected: Mask
     report: Floats
 
 
@@ -158,7 +235,7 @@ def sites(seen: Sightings, prospect: Prospect, camera: Camera) -> Sites:
     return Sites(of, expected, -np.expm1(miss - _clutter(seen, of, count, prospect, camera)))
 
 
-def _merged(seen: Sightings, tolerance: float) -> tuple[NDArray[np.intp], int]:
+def _merged(seen: Sightings, tolerance: float) -> tuple[Indices, int]:
     """The site (N,) of each sighting, and their number: whatever lies near and shares a type, and what lies near that, in no order."""
     from scipy.sparse import coo_matrix
     from scipy.sparse.csgraph import connected_components
@@ -176,7 +253,7 @@ def _merged(seen: Sightings, tolerance: float) -> tuple[NDArray[np.intp], int]:
     return np.asarray(of, np.intp), int(count)
 
 
-def _clutter(seen: Sightings, of: NDArray[np.intp], count: int, prospect: Prospect, camera: Camera) -> Floats:
+def _clutter(seen: Sightings, of: Indices, count: int, prospect: Prospect, camera: Camera) -> Floats:
     """(S,) the expected number of data of clutter within the tolerance of a site, of the types that it may be reported as."""
     looks = np.zeros((count, len(seen.names)), bool)
     np.logical_or.at(looks, of, seen.looks)

@@ -3,23 +3,16 @@
 * ``Candidate``: a camera's pose by name, ``Candidate("ring 90°", reference_from_camera)``
 """
 
-from __future__ import annotations
-
+from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Literal, NotRequired, TypedDict
+from typing import Literal, NotRequired, TypedDict
 
 import numpy as np
+from numpy.typing import NDArray
 
+from geometry.arrays import Floats
 from geometry.frames import inverse, look_at, transform_points
-
-if TYPE_CHECKING:
-    from collections.abc import Sequence
-
-    from numpy.typing import NDArray
-
-    from plogic.sequence.next_view.prospect import Body, Prospect
-
-    Floats = NDArray[np.float64]
+from plogic.sequence.next_view.expected import Prospect
 
 RING = 12
 """Places of a ring, the present one among them."""
@@ -146,25 +139,18 @@ def within(prospect: Prospect, stand: Stand, distance: float) -> tuple[list[Cand
 
 def _named(grid: NDArray[np.int64], step: float) -> str:
     """Right, up and ahead of the present camera, in metres: its frame's x, −y and z."""
-    words = (("right", "left"), ("down", "up"), ("ahead", "back"))
-    moved = [
-        f"{abs(k) * step:.2f} {word[0] if k > 0 else word[1]}"
-        for k, word in zip(grid.tolist(), words, strict=True)
-        if k
-    ]
-    return ", ".join(moved)
+    words = zip(grid.tolist(), (("right", "left"), ("down", "up"), ("ahead", "back")), strict=True)
+    return ", ".join(f"{abs(k) * step:.2f} {plus if k > 0 else minus}" for k, (plus, minus) in words if k)
 
 
 def lowest(prospect: Prospect, up: Floats) -> float:
     """How far along ``up`` the lowest point of all that may be there lies, m."""
+    some = [body for body, p in zip(prospect.bodies, prospect.marginals, strict=True) if p > 0.0]
+    points = [body.cloud.lobes.at if body.cloud.rays is None else body.cloud.rays.vertices for body in some]
     return min(
-        float((_points(b) @ up).min()) for b, p in zip(prospect.bodies, prospect.marginals, strict=True) if p > 0.0
+        float((transform_points(body.reference_from_object, its) @ up).min())
+        for body, its in zip(some, points, strict=True)
     )
-
-
-def _points(body: Body) -> Floats:
-    rays = body.cloud.rays
-    return transform_points(body.reference_from_object, body.cloud.lobes.at if rays is None else rays.vertices)
 
 
 def checked(candidates: Sequence[Candidate]) -> list[Candidate]:

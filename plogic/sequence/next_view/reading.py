@@ -4,35 +4,26 @@ The worlds of a panorama are those of all views, told from where the last one st
 interpretation of any view that had it in Δh.
 """
 
-from __future__ import annotations
-
-from typing import TYPE_CHECKING, TypedDict, cast
+from collections.abc import Sequence
+from pathlib import Path
+from typing import TypedDict, cast
 
 import numpy as np
 
+from geometry.arrays import Floats
 from geometry.errors import GeometryError
 from geometry.frames import inverse, is_rigid
 from geometry.visibility.rays import RayMesh
 from kb.clouds.lobes import LobeTable
 from plogic.base.errors import InterpretationError
 from plogic.base.shapes import mistakes
-from plogic.facts.document import Marks
+from plogic.facts.document import AssetsRow, CameraRow, Interpretation, Marks, SensingRow, TypeRow, WorldRow
+from plogic.facts.fact_rows import Interval, PairRow, Pose
 from plogic.facts.interpretation import interpretation_in, parsed
-from plogic.facts.situation import stopped_in
+from plogic.facts.situation import Reading, stopped_in
 from plogic.scene.readings.unfinished import marks
 from plogic.sequence.document import Panorama
-from plogic.sequence.next_view.prospect import Body, Cloud, Prospect
-
-if TYPE_CHECKING:
-    from collections.abc import Sequence
-    from pathlib import Path
-
-    from numpy.typing import NDArray
-
-    from plogic.facts.document import AssetsRow, CameraRow, Interpretation, SensingRow, TypeRow, WorldRow
-    from plogic.facts.fact_rows import Interval, PairRow, Pose
-    from plogic.facts.situation import Reading
-
+from plogic.sequence.next_view.expected import Body, Cloud, Prospect
 
 SLACK = 0.004
 """Share of a body's diameter that the surface must be met before a feature to hide it, as where it was perceived."""
@@ -40,7 +31,7 @@ AGAIN = "says nothing of how its types are seen, as older ones do: perceive agai
 
 
 def prospect_of(
-    document: Interpretation | LastView, worlds: Sequence[tuple[float, Sequence[str]]] | None = None
+    document: "Interpretation | LastView", worlds: Sequence[tuple[float, Sequence[str]]] | None = None
 ) -> Prospect:
     """The prospect of an ``interpretation/1``, in the present camera's frame.
 
@@ -59,7 +50,7 @@ def prospect_of(
         raise InterpretationError(f"types, sensing or assets: not complete: {what}") from error
 
 
-def _prospect(document: Interpretation | LastView, worlds: Sequence[tuple[float, Sequence[str]]]) -> Prospect:
+def _prospect(document: "Interpretation | LastView", worlds: Sequence[tuple[float, Sequence[str]]]) -> Prospect:
     used = {name for _, members in worlds for name in members}
     rows = [h for h in document["hypotheses"] if h["id"] in used]
     clouds = {name: _cloud(name, document) for name in sorted({h["type"] for h in rows})}
@@ -83,7 +74,7 @@ def _prospect(document: Interpretation | LastView, worlds: Sequence[tuple[float,
     )
 
 
-def _cloud(name: str, document: Interpretation | LastView) -> Cloud:
+def _cloud(name: str, document: "Interpretation | LastView") -> Cloud:
     table, mesh = document["types"][name], document["assets"].get("meshes", {}).get(name)
     at = np.array([row[2:5] for row in table["features"]], dtype=float).reshape(-1, 3)
     rays = None if mesh is None else RayMesh(np.array(mesh["vertices"], dtype=float), np.array(mesh["triangles"]))
@@ -96,7 +87,7 @@ def _cloud(name: str, document: Interpretation | LastView) -> Cloud:
     return Cloud(name, names, kinds, lobes, hit, rays, middle, radius, slack, bool(table["measured"]))
 
 
-def _lobes(table: TypeRow, at: NDArray[np.float64]) -> tuple[LobeTable, NDArray[np.float64]]:
+def _lobes(table: TypeRow, at: Floats) -> tuple[LobeTable, Floats]:
     rows = np.array(table["lobes"], dtype=float).reshape(-1, 9)
     feature, look = rows[:, 0].astype(np.intp), rows[:, 1].astype(np.intp)
     axis = rows[:, 2:5] / np.linalg.norm(rows[:, 2:5], axis=1, keepdims=True)
@@ -204,7 +195,7 @@ def _complete(views: list[Interpretation], panorama: Panorama) -> None:
         raise ValueError(f"{', '.join(lacking[:5])}: is missing{OLDER}")
 
 
-def _pose(rows: object, where: str) -> NDArray[np.float64]:
+def _pose(rows: object, where: str) -> Floats:
     pose = np.array(rows, dtype=float)
     if pose.shape != (4, 4) or not is_rigid(pose):
         raise ValueError(f"{where}: should be a rigid 4 x 4 transform")

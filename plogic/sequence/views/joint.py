@@ -2,8 +2,13 @@
 
 The hypotheses stand in the world, the same in every view. A view adds the features that it expects of them and the data
 that it has; given the world, views are independent. Priors count once, and so does what a pose owes to its freedom
-(``plogic.match.judged.pose_information``), of all views' matches together.
+(``plogic.match.judged.evidence``), of all views' matches together.
 
+Hypotheses of several views that are one stand at the pose at which all views are explained best (§8, near-duplicates).
+One view leaves the distance open by more than another view's tolerance. So what each view matched by itself is laid
+together before anything is matched anew: a pose through all of these matches is tried beside each view's own.
+
+* ``merged``: the distinct hypotheses of all views
 * ``Joint``: what comes of it
 """
 
@@ -19,31 +24,76 @@ import numpy as np
 from geometry.poses.refine import turned_step
 from geometry.poses.reprojection import information
 from plogic.base.bounds import LEAST
-from plogic.cycle.delta import delta_of, instances
-from plogic.cycle.holding import gravity_of_view
+from plogic.cycle.delta import Options, delta_of, instances
+from plogic.cycle.placing import gravity_of_view
 from plogic.cycle.state import Cycle, Trace
-from plogic.match.judged.disjoint import moved_apart, pose_information
-from plogic.match.judged.evidence import as_counted, evidence, judged
-from plogic.match.judged.pose_information import known, share_of
-from plogic.match.judged.rivals import excludes
-from plogic.scene.worlds.ranked_worlds import ranked_worlds
-from plogic.sequence.views.standing import Seen, Standing, refined, seen_alone, seen_beside
+from plogic.match.judged.evidence import as_counted, evidence, judged, known, pose_information, share_of
+from plogic.match.judged.rivals import excludes, moved_apart
+from plogic.scene.worlds.ranked_worlds import Ranking, ranked_worlds
+from plogic.sequence.views.standing import Seen, Standing, refined, seen_alone, seen_beside, standing_of
 
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
 
-    from numpy.typing import NDArray
-
+    from geometry.arrays import Floats, Mask
     from kb.clouds.cloud import KnowledgeBase
-    from plogic.cycle.delta import Options
-    from plogic.facts.gravity import Gravity
     from plogic.facts.hypothesis import FeatureFact, Hypothesis
     from plogic.facts.situation import Situation
+    from plogic.facts.spatial import Gravity
     from plogic.match.gamma.data import Data
+    from plogic.match.judged.type_models import TypeModel
     from plogic.run.perceive import Perceiver
-    from plogic.scene.worlds.ranked_worlds import Ranking
 
-    Floats = NDArray[np.float64]
+
+class Found(NamedTuple):
+    """A view, and the hypotheses that it led to by itself."""
+
+    seen: Seen
+    beliefs: Sequence[Hypothesis]
+
+
+class _Member(NamedTuple):
+    standing: Standing
+    view: int
+    posed: Hypothesis
+
+
+def merged(found: Sequence[Found], models: Mapping[str, TypeModel], kb: KnowledgeBase) -> list[Standing]:
+    """The distinct hypotheses of all views, each where it explains all views' data best, of the places at which any view has something like it.
+
+    Tried are the poses of its own views, one through all their matches, and those of what else may stand there: what
+    looks alike fits alike.
+    """
+    heaps = _heaps(found, models)
+    everybody = [member for heap in heaps for member in heap]
+    return [_best(heap, everybody, [one.seen for one in found], kb) for heap in heaps]
+
+
+def _heaps(found: Sequence[Found], models: Mapping[str, TypeModel]) -> list[list[_Member]]:
+    """Near-duplicates together, told from where the first view stands."""
+    heaps: list[list[_Member]] = []
+    for v, (seen, beliefs) in enumerate(found):
+        for belief in beliefs:
+            member = _Member(standing_of(belief, seen.view, models), v, belief)
+            heap = next((some for some in heaps if some[0].standing.same(member.standing, found[0].seen.view)), None)
+            if heap is None:
+                heaps.append([member])
+            else:
+                heap.append(member)
+    return heaps
+
+
+def _best(heap: Sequence[_Member], everybody: Sequence[_Member], seen: Sequence[Seen], kb: KnowledgeBase) -> Standing:
+    """The pose of greatest evidence over all views; of equals the first."""
+    first = heap[0].standing
+    if len(seen) == 1:
+        return first
+    there = [Standing(first.index, m.standing.world_from_object) for m in everybody]
+    starts = [m.standing for m in heap] + [some for some in there if some.same(first, seen[0].view)]
+    own = {member.view: member.posed for member in reversed(heap)}  # what each view matched by itself
+    starts += [refined(s, list(own.values()), [seen[v] for v in own], kb) for s in (first, heap[-1].standing)]
+    return max(starts, key=lambda some: sum(evidence(seen_alone(some, one, kb), one.data, kb).ratio for one in seen))
+
 
 ROUNDS = 2
 """Times that poses are refined in all views together, and matched again."""
@@ -129,10 +179,10 @@ def _apart(
     stay = [pose is some.camera_from_object for pose, some in zip(poses, last, strict=True)]
     if all(stay):
         return ordered, posed
-    moved = [
-        Standing(some.index, np.asarray(world_from_camera @ pose)) for some, pose in zip(ordered, poses, strict=True)
+    ordered = [
+        some if stays else Standing(some.index, np.asarray(world_from_camera @ pose))
+        for some, pose, stays in zip(ordered, poses, stay, strict=True)
     ]
-    ordered = [some if stays else other for some, other, stays in zip(ordered, moved, stay, strict=True)]
     return ordered, _posed(ordered, first, seen, kb)
 
 
@@ -189,33 +239,23 @@ class _Told(NamedTuple):
 def _told(posed: Sequence[Hypothesis], first: int, seen: Seen, perceiver: Perceiver, options: Options) -> _Told:
     kb, known = perceiver.kb, list[_Known | None]()
 
-    def counted(
-        one: Hypothesis, data: Data, kb: KnowledgeBase, hidden: NDArray[np.bool_] | None
-    ) -> tuple[Floats, Floats]:
+    def counted(one: Hypothesis, data: Data, kb: KnowledgeBase, hidden: Mask | None) -> tuple[Floats, Floats]:
         known.append(_known(one, hidden, seen, kb))
         return as_counted(one, data, kb, hidden)
 
     accepted, rivals = (
-        [_belief(one, status, seen, perceiver) for one in some] for some, status in _parted(posed, first)
+        tuple(judged(one, seen.data, kb, perceiver.dv).told(status=status) for one in some)
+        for some, status in ((posed[:first], "accepted"), (posed[first:], "rival"))
     )
-    cycle = Cycle(tuple(accepted), tuple(rivals), (), (), Trace())
+    cycle = Cycle(accepted, rivals, (), (), Trace())
     alone = replace(kb, gravity=False)  # who holds whom is decided by all views together
     situation = delta_of(cycle, seen.data, alone, perceiver.dv, options, counted, related=False).situation
     return _Told(situation, tuple(known))
 
 
-def _parted(posed: Sequence[Hypothesis], first: int) -> tuple[tuple[Sequence[Hypothesis], str], ...]:
-    return (posed[:first], "accepted"), (posed[first:], "rival")
-
-
-def _belief(posed: Hypothesis, status: str, seen: Seen, perceiver: Perceiver) -> Hypothesis:
-    return judged(posed, seen.data, perceiver.kb, perceiver.dv).told(status=status)
-
-
-def _known(posed: Hypothesis, hidden: NDArray[np.bool_] | None, seen: Seen, kb: KnowledgeBase) -> _Known | None:
+def _known(posed: Hypothesis, hidden: Mask | None, seen: Seen, kb: KnowledgeBase) -> _Known | None:
     """What a view's matches tell of a pose; None where there are none."""
-    found = posed.candidate & posed.detected
-    found = found if hidden is None else found & ~hidden
+    found = posed.expected(hidden) & posed.detected
     if not found.any():
         return None
     at, precision, middle, across = known(posed, found, seen.data, kb)
@@ -255,23 +295,18 @@ def _hypothesis(
     """Hypothesis ``i`` with its features in every view: those of view v1 as 'v1:roof/apex'."""
     last = told[-1].situation.hypotheses[i]
     features = [
-        _of_view(f, one.view.id) for t, one in zip(told, seen, strict=True) for f in t.situation.hypotheses[i].features
+        replace(f, id=f"{view.id}:{f.id}", match=None if f.match is None else f"{view.id}:{f.match}")
+        for t, (view, _) in zip(told, seen, strict=True)
+        for f in t.situation.hypotheses[i].features
     ]
-    known = [t.known[i] for t in told]
-    cameras = [(one.view.camera_from_world, one.data.camera) for one in seen]
-    pairs = [(k, camera) for k, camera in zip(known, cameras, strict=True) if k is not None]
+    pairs = [(k, one) for t, one in zip(told, seen, strict=True) if (k := t.known[i]) is not None]
     owed = 0.0
     if pairs:
         total = np.sum([k.information for k, _ in pairs], axis=0)
-        nearest, (camera_from_world, camera) = min(pairs, key=lambda pair: pair[0].depth)
-        turn = turned_step(camera_from_world[:3, :3])
-        owed = float(share_of(turn @ total @ turn.T, nearest.depth, camera))
+        nearest, one = min(pairs, key=lambda pair: pair[0].depth)
+        turn = turned_step(one.view.camera_from_world[:3, :3])
+        owed = float(share_of(turn @ total @ turn.T, nearest.depth, one.data.camera))
     return replace(last, group=groups[last.id], parts=(), features=tuple(owing(last, features, clutter, owed)))
-
-
-def _of_view(feature: FeatureFact, view: str) -> FeatureFact:
-    match = None if feature.match is None else f"{view}:{feature.match}"
-    return replace(feature, id=f"{view}:{feature.id}", match=match)
 
 
 def owing(
@@ -287,8 +322,7 @@ def owing(
         f.id: float(np.log1p(rates[f.id][0] * f.density / ((1.0 - rates[f.id][0]) * rates[f.id][1]))) for f in paying
     }
     kept = max(LEAST, 1.0 + owed / max(sum(better.values()), LEAST))
-    return [_weaker(f, kept * better[f.id], *rates[f.id]) if f.id in better else f for f in features]
-
-
-def _weaker(feature: FeatureFact, better: float, hit: float, clutter: float) -> FeatureFact:
-    return replace(feature, density=float(np.expm1(better)) * (1.0 - hit) * clutter / hit)
+    weaker = {
+        name: float(np.expm1(kept * better[name])) * (1.0 - hit) * datum / hit for name, (hit, datum) in rates.items()
+    }
+    return [replace(f, density=weaker[f.id]) if f.id in weaker else f for f in features]

@@ -4,6 +4,9 @@ What leaves the view stays, with its probability and its age; what comes back in
 remembered, before any search.
 The world is taken to stand still: what is expected in a view and plainly not there is gone, and is forgotten.
 
+As a document, ``panorama/1``, it is a sequence of views, each with its interpretation, and what stands in the world
+after all of them.
+
 * ``Known``: one object of Δp, ``Known("p1", standing, 0.99, last_seen="v3", age=2)``
 * ``Panorama``: Δp over the views so far
 """
@@ -12,18 +15,23 @@ from __future__ import annotations
 
 from collections import Counter
 from dataclasses import dataclass, field, replace
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Final, NamedTuple
 
 import numpy as np
 
+from geometry.frames import compose, inverse, transform_points
+from geometry.visibility.rays import RayMesh, behind
 from plogic.base.clock import Stopwatch
 from plogic.cycle.judging import FEWEST
-from plogic.cycle.recall import Seed
+from plogic.cycle.perception import Seed
+from plogic.facts.situation import SEARCH, stopped_in
 from plogic.match.gamma.data import data_of
 from plogic.match.judged.evidence import evidence, hit_rates
-from plogic.match.judged.expectation import hidden_by
 from plogic.match.judged.rivals import claims, hidden_among
-from plogic.sequence.views.joint import joint
+from plogic.scene.readings.unfinished import OPEN, marks
+from plogic.sequence.constancy.decide import unknown_objects
+from plogic.sequence.constancy.result import Constancy, constancy_document
+from plogic.sequence.views.joint import Joint, joint
 from plogic.sequence.views.standing import Seen, Standing, seen_alone, standing_of
 
 if TYPE_CHECKING:
@@ -31,15 +39,18 @@ if TYPE_CHECKING:
 
     from numpy.typing import NDArray
 
+    from geometry.arrays import Floats, Mask
     from plogic.cycle.delta import Options
     from plogic.cycle.state import Cycle
-    from plogic.facts.document import Interpretation
+    from plogic.facts.document import Interpretation, WorldRow
     from plogic.facts.hypothesis import Hypothesis
     from plogic.run.perceive import Perceiver
     from plogic.scene.worlds.ranked_worlds import Ranking
-    from plogic.sequence.document import ExpectedRow
-    from plogic.sequence.views.joint import Joint
-    from plogic.sequence.views.view import View
+    from plogic.sequence import document
+    from plogic.sequence.constancy.sight_lines import View
+    from plogic.sequence.constancy.weights import Hidden
+    from plogic.sequence.document import AheadRow, ExpectedRow, Joined, ObjectRow, StandingRow, ViewRow
+
 
 WINDOW = 6
 """Views that are judged together, the newest; what is known of an object from older ones is its probability."""
@@ -113,7 +124,8 @@ class Panorama:
             gone = self._forget(expected, cycle, seen)
             self.seen = [*self.seen, seen][-WINDOW:]
             self._remember(cycle, view, [known.id for known, _ in expected])
-        left = _left(cycle, seen)
+        taken = {i for belief in cycle.accepted for i in claims(belief)}
+        left = tuple(name for i, name in enumerate(seen.data.ids) if i not in taken)
         if not any(step.event == "no search" for step in cycle.trace.steps):
             self._searched(left, seen)
         return Look(view, interpretation, self._foreseen(expected), gone, left, clock.seconds)
@@ -138,26 +150,21 @@ class Panorama:
         return [
             (known, one)
             for known, one in sorted(posed, key=lambda pair: -pair[0].probability)
-            if _awaited(one, posed).sum() >= FEWEST
+            if one.expected(hidden_among(one, [other for _, other in posed])).sum() >= FEWEST
         ]
 
     def _forget(self, expected: Sequence[tuple[Known, Hypothesis]], cycle: Cycle, seen: Seen) -> tuple[str, ...]:
         """Drop from Δp what is expected here, was not found, and is plainly not there. Its ids."""
-        gone = []
-        for known, _ in expected:
-            found = any(
-                known.standing.same(standing_of(b, seen.view, self.perceiver.models), seen.view) for b in cycle.accepted
-            )
-            if not found and self._speaks(known, cycle, seen) < GONE:
-                gone.append(known.id)
+        there = [standing_of(b, seen.view, self.perceiver.models) for b in cycle.accepted]
+        lost = [k for k, _ in expected if not any(k.standing.same(some, seen.view) for some in there)]
+        gone = tuple(known.id for known in lost if self._speaks(known, cycle, seen) < GONE)
         self.known = [known for known in self.known if known.id not in gone]
-        return tuple(gone)
+        return gone
 
     def _speaks(self, known: Known, cycle: Cycle, seen: Seen) -> float:
         """The log-likelihood ratio of one object in one view, where what was accepted there hides what it hides."""
         posed = seen_alone(known.standing, seen, self.perceiver.kb)
-        hidden = hidden_among(posed, cycle.accepted)
-        return evidence(posed, seen.data, self.perceiver.kb, hidden).ratio
+        return evidence(posed, seen.data, self.perceiver.kb, hidden_among(posed, cycle.accepted)).ratio
 
     def _remember(self, cycle: Cycle, view: View, in_view: Sequence[str]) -> None:
         """Judge what is known and what is new in all views together, and keep what is probable."""
@@ -188,17 +195,14 @@ class Panorama:
         there = [standing_of(b, view, self.perceiver.models) for b in cycle.accepted]
         for some, chance in believed:
             old = next((known for known in others if some.same(known.standing, view)), None)
+            here = old is None or old.id in in_view
             if old is None:
                 self.named += 1
                 old = Known(f"p{self.named}", some, chance, view.id)
-                kept.append(_aged(old, some, chance, there, view, here=True))
-            else:
-                others = [known for known in others if known is not old]
-                kept.append(_aged(old, some, chance, there, view, here=old.id in in_view))
-        outside = [replace(k, age=k.age + 1) for k in kept if k.last_seen != view.id]
-        self.known = sorted(
-            [*(k for k in kept if k.last_seen == view.id), *outside], key=lambda known: int(known.id[1:])
-        )
+            others = [known for known in others if known is not old]
+            kept.append(_aged(old, some, chance, there, view, here=here))
+        aged = [known if known.last_seen == view.id else replace(known, age=known.age + 1) for known in kept]
+        self.known = sorted(aged, key=lambda known: int(known.id[1:]))
 
 
 def _aged(old: Known, standing: Standing, chance: float, there: Sequence[Standing], view: View, *, here: bool) -> Known:
@@ -208,21 +212,6 @@ def _aged(old: Known, standing: Standing, chance: float, there: Sequence[Standin
     if names or here:
         return Known(old.id, standing, chance, view.id, 0, by_view)
     return replace(old, standing=standing, probability=chance, by_view=by_view)
-
-
-def _left(cycle: Cycle, seen: Seen) -> tuple[str, ...]:
-    """Ids of a view's data that no accepted hypothesis claims."""
-    taken = {i for belief in cycle.accepted for i in claims(belief)}
-    return tuple(name for i, name in enumerate(seen.data.ids) if i not in taken)
-
-
-def _awaited(posed: Hypothesis, others: Sequence[tuple[Known, Hypothesis]]) -> NDArray[np.bool_]:
-    """(F,) the features that are expected where all of Δp stands as it is remembered."""
-    hidden = np.zeros(len(posed.uv), bool)
-    for _, other in others:
-        if other is not posed and other.object_type.opaque:
-            hidden |= hidden_by(posed, other)
-    return posed.expected(hidden)
 
 
 def _told(known: Known, posed: Hypothesis, perceiver: Perceiver) -> ExpectedRow:
@@ -235,3 +224,134 @@ def _told(known: Known, posed: Hypothesis, perceiver: Perceiver) -> ExpectedRow:
         "expected_features": int(expected.sum()),
         "expected_detections": float(hit_rates(posed, perceiver.kb)[expected].sum()),
     }
+
+
+class Body(NamedTuple):
+    """An opaque surface where it stands: ``world_from_object`` (4, 4)."""
+
+    rays: RayMesh
+    world_from_object: Floats
+
+
+def hiding(views: Sequence[View], bodies: Mapping[str, Sequence[Body]]) -> Hidden:
+    """The callback that ``unknown_objects`` takes: which places (N, 3) m, world, some body hides from a view.
+
+    ``bodies`` by the view's id.
+    """
+    camera_from_world = {view.id: inverse(view.world_from_camera) for view in views}
+
+    def hidden(view: str, world: Floats) -> Mask:
+        frame = camera_from_world[view]
+        points = transform_points(frame, world)
+        masks = [behind(points, body.rays, compose(frame, body.world_from_object)) for body in bodies.get(view, ())]
+        return np.any(np.array(masks, bool).reshape(len(masks), len(world)), axis=0)
+
+    return hidden
+
+
+def constancy_of(panorama: Panorama, looks: Sequence[Look]) -> Constancy:
+    """What is unknown, noise or undecided of all ``looks`` so far.
+
+    The opaque objects of Δp hide what they hide in each (D4).
+    """
+    views, standing = [look.view for look in looks], [known.standing for known in panorama.known]
+    bodies = [
+        Body(surface.rays, some.world_from_object)
+        for some in standing
+        if some.object_type.opaque and (surface := some.object_type.surface) is not None
+    ]
+    unexplained = {look.view.id: look.unexplained for look in looks}
+    return unknown_objects(
+        views, unexplained, panorama.perceiver.kb.rates, hiding(views, {view.id: bodies for view in views})
+    )
+
+
+FORMAT: Final = "panorama/1"
+
+
+def panorama_document(
+    panorama: Panorama, looks: Sequence[tuple[str, Look]], foreseen: Sequence[AheadRow] = ()
+) -> document.Panorama:
+    """The document of a sequence: ``looks`` with their frames' names, and what is ``foreseen`` where nothing was seen yet."""
+    kb, joined = panorama.perceiver.kb, _worlds(panorama)
+    last = looks[-1][1].view.id if looks else ""
+    objects = [_object(known, last) for known in panorama.known]
+    if any(stopped_in(look.interpretation) == SEARCH for _, look in looks):
+        joined, objects = _open(joined), [{**row, "interval": list(OPEN)} for row in objects]
+    return {
+        "format": FORMAT,
+        "kb": {"name": kb.name, "digest": kb.digest},
+        "reading": panorama.options.reading,
+        "views": [_view(frame, look) for frame, look in looks],
+        "objects": objects,
+        **constancy_document(constancy_of(panorama, [look for _, look in looks])),
+        **joined,
+        "ahead": list(foreseen),
+    }
+
+
+def _view(frame: str, look: Look) -> ViewRow:
+    return {
+        "id": look.view.id,
+        "frame": frame,
+        "T_world_camera": look.view.world_from_camera.tolist(),
+        "predicted": list(look.predicted),
+        "gone": list(look.gone),
+        "unexplained": list(look.unexplained),
+        "interpretation": look.interpretation,
+    }
+
+
+def _object(known: Known, last: str) -> ObjectRow:
+    return {
+        "id": known.id,
+        "type": known.standing.object_type.name,
+        "T_world_object": known.standing.world_from_object.tolist(),
+        "probability": known.probability,
+        "age": known.age,
+        "last_seen": known.last_seen,
+        "in_view": known.last_seen == last,
+        "hypotheses": dict(known.by_view),
+    }
+
+
+def _worlds(panorama: Panorama) -> Joined:
+    """The possible worlds of the last views together: Δh by name, an object's own or one of its rivals', which are rivals, and which are present."""
+    if panorama.joint is None or panorama.ranking is None:
+        return {"hypotheses": [], "rivals": [], "worlds": [], "unlisted_mass": [0.0, 0.0]}
+    standing = {f"h{i}": some for i, some in enumerate(panorama.joint.standing, 1)}
+    known = {id(k.standing): k.id for k in panorama.known}
+    rivals = [h for h, some in standing.items() if id(some) not in known]
+    name = {h: known.get(id(some)) or f"r{rivals.index(h) + 1}" for h, some in standing.items()}
+    chance = panorama.ranking.marginals
+    rows: list[StandingRow] = [
+        {
+            "id": name[h],
+            "type": some.object_type.name,
+            "opaque": some.object_type.opaque,
+            "T_world_object": some.world_from_object.tolist(),
+            "probability": chance[h],
+        }
+        for h, some in standing.items()
+    ]
+    pairs = sorted([name[a], name[b]] for a, b in panorama.joint.situation.rivals)
+    worlds: list[WorldRow] = [
+        {"probability": w.probability, "present": [name[h] for h in w.present]} for w in panorama.ranking.worlds
+    ]
+    return {"hypotheses": rows, "rivals": pairs, "worlds": worlds, "unlisted_mass": list(panorama.ranking.unlisted)}
+
+
+def _open(joined: Joined) -> Joined:
+    """The same where the search of some view was stopped: what was not found there may stand in the place of anything."""
+    return {
+        **joined,
+        "hypotheses": [{**row, "interval": list(OPEN)} for row in joined["hypotheses"]],
+        "worlds": [{**row, "interval": list(OPEN)} for row in joined["worlds"]],
+        "unlisted_mass": list(OPEN),
+        **marks(SEARCH),
+    }
+
+
+def ahead(panorama: Panorama, view: View) -> AheadRow:
+    """What will be seen from where a view stands, as far as Δp knows; its Γ is not looked at."""
+    return {"T_world_camera": view.world_from_camera.tolist(), "predicted": list(panorama.predicted(view))}

@@ -10,6 +10,7 @@ import pytest
 from benchmarks.clutter.types import type_names
 from benchmarks.many import bench as many
 from benchmarks.many.bench import all_told, run
+from benchmarks.many.placing import CROWD, OBJECTS
 from benchmarks.many.ransac import greedy, kept
 from benchmarks.many.scenes import scene
 from benchmarks.many.score import Seen, Verdict, verdict
@@ -26,7 +27,10 @@ def kb():
 
 
 def test_a_real_run_finds_real_objects(monkeypatch, kb):
+    """Of as many objects as it takes to see that all are counted: three or four in place of five to ten, and a crowd of six."""
     monkeypatch.setattr(many, "many_kb", lambda *_: kb)
+    few = {OBJECTS: (3, 4), CROWD: (6, 6)}
+    monkeypatch.setattr(many, "scene", lambda kb, seed, number=OBJECTS: scene(kb, seed, few[number]))
     said = []
     text, _ = run(seed=50, limit=20.0, quick=True, as_json=True, say=said.append, learn=lambda *_: None, scenes=2)
     document = json.loads(text)

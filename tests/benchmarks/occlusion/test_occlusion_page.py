@@ -10,7 +10,7 @@ from benchmarks.occlusion.page import LINES_FILE, lines, page
 from benchmarks.occlusion.tables import composition, counts_table, relations_table, sign
 from geometry.visibility.occlusion import TOLERANCE
 from geometry.visibility.roc import ROC20
-from plogic.cycle.relations import MOST_PART_PAIRS
+from plogic.cycle.delta import MOST_PART_PAIRS
 
 DOCS = Path(__file__).parents[3] / "docs"
 HOW = "run `plogic bench occlusion --json > BENCH.json` and `python docs/generate.py --occlusion BENCH.json`"

@@ -27,6 +27,19 @@ def _run_once(monkeypatch):
     monkeypatch.setattr(worlds_ours, "ENOUGH", 0.0)
 
 
+@pytest.fixture
+def _in_this_process(monkeypatch):
+    """The code of the child process without a child for each run, whose imports take longer than the run itself.
+
+    ``test_bench_worlds_stock`` is about the child, and ``test_a_way_that_failed_is_not_tried_at_larger_sizes`` starts it.
+    """
+
+    def run(text, knowledge, _seconds):
+        return StockRun(knowledge, **worlds_stock._run(text, knowledge, lambda _: None))
+
+    monkeypatch.setattr(worlds_stock, "stock", run)
+
+
 def measured(family="clusters", number=20, *, ours=FAST, stock=(1.0, 2.0), columns=0, differences=None):
     runs = tuple(
         StockRun(k, 0.1, 0.2, seconds, {"present(h1)": 0.5})
@@ -99,6 +112,7 @@ def test_the_sizes_are_the_issues():
     assert SIZES == (5, 10, 20, 40, 80, 200)
 
 
+@pytest.mark.usefixtures("_in_this_process")
 @pytest.mark.parametrize(
     "case",
     [
@@ -132,6 +146,7 @@ def test_a_way_that_failed_is_not_tried_at_larger_sizes():
     assert failed == {("clusters", "sdd"), ("grid", "ddnnf"), ("grid", "sdd"), ("grid", "plogic")}
 
 
+@pytest.mark.usefixtures("_in_this_process")
 def test_the_benchmark_end_to_end(monkeypatch):
     """Quick sizes, smaller still: structure and agreement, never times."""
     monkeypatch.setattr(worlds, "QUICK_SIZES", (5,))
@@ -150,6 +165,7 @@ def test_the_benchmark_end_to_end(monkeypatch):
     assert all(float(r["differ"]) <= 1e-9 for r in document["rows"])
 
 
+@pytest.mark.usefixtures("_in_this_process")
 def test_the_table_says_what_its_columns_mean(monkeypatch):
     monkeypatch.setattr(worlds, "cases", lambda _, **_options: iter([Case("grid", 4, grid(4, 2, 0), 2)]))
     text, _ = worlds.run(seed=0, limit=LIMIT, quick=False, as_json=False, say=lambda _: None)

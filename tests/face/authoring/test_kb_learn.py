@@ -11,7 +11,7 @@ import shutil
 import cv2
 import numpy as np
 import pytest
-from console import bytes_in, good, plogic
+from console import bytes_in, few_views, good, plogic
 from made_meshes import obj_text, write_box
 from painted_cube import CAMERA, picture, pose_towards, write_cube
 
@@ -22,22 +22,13 @@ from plogic.face.authoring.kb_learn import files_of
 from sensing.simulated.body import read_mesh
 from sensing.simulated.stage import MAX_TRIANGLES
 
-FEWER = """\
-import os
-import kb.learning.observations as views
-count = int(os.environ.get("TEST_DIRECTIONS", "26"))
-views.PIXELS, views.DIRECTIONS = (160.0, 115.0, 80.0), count
-"""
-"""Read by Python as it starts: the console script itself is as it is, its views are fewer and smaller."""
 MINE = "object: mine\nfeatures:\n  - {feature: f, type: apex, at: [0, 0, 0], appearances: []}\n"
 
 
 @pytest.fixture(scope="module")
 def surroundings(tmp_path_factory):
     """Environment variables for the console script."""
-    folder = tmp_path_factory.mktemp("few")
-    (folder / "sitecustomize.py").write_text(FEWER)
-    return {"PYTHONPATH": str(folder), "XDG_CACHE_HOME": str(folder / "cache")}
+    return few_views(tmp_path_factory.mktemp("few"))
 
 
 @pytest.fixture(scope="module")
@@ -159,7 +150,7 @@ def test_a_cache_file_that_was_cut_off_is_learned_anew(learned, surroundings, tm
         1,
         "--kb",
         copy,
-        **surroundings | {"XDG_CACHE_HOME": str(tmp_path), "TEST_DIRECTIONS": "12"},
+        **surroundings | {"XDG_CACHE_HOME": str(tmp_path), "TEST_DIRECTIONS": "8"},
     )
     assert done.returncode == 0, done.stderr
     assert "was learned before" not in done.stderr
@@ -169,7 +160,7 @@ def test_a_cache_file_that_was_cut_off_is_learned_anew(learned, surroundings, tm
 def test_a_cache_that_cannot_be_written_is_no_reason_to_fail(learned, surroundings, tmp_path):
     copy = shutil.copytree(learned[0], tmp_path / "kb")
     (tmp_path / "file").write_text("")
-    elsewhere = {"XDG_CACHE_HOME": str(tmp_path / "file"), "TEST_DIRECTIONS": "8"}
+    elsewhere = {"XDG_CACHE_HOME": str(tmp_path / "file"), "TEST_DIRECTIONS": "6"}
     done = plogic("kb", "learn", "cube", "--jobs", 1, "--kb", copy, **surroundings | elsewhere)
     assert done.returncode == 0, done.stderr
     assert "cube: is not remembered for the next time" in done.stderr
@@ -246,7 +237,7 @@ def test_a_cloud_and_words_go_where_the_folder_says(learned, surroundings, tmp_p
     (copy / "vocabulary.npz").write_bytes((learned[0] / "words.npz").read_bytes())
     before = bytes_in(copy)
     done = plogic(
-        "kb", "learn", "cube", "--jobs", 1, "--seed", 3, "--kb", copy, **surroundings | {"TEST_DIRECTIONS": "12"}
+        "kb", "learn", "cube", "--jobs", 1, "--seed", 3, "--kb", copy, **surroundings | {"TEST_DIRECTIONS": "8"}
     )
     assert done.returncode == 0, done.stderr
     after = bytes_in(copy)

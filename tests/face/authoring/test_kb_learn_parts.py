@@ -12,9 +12,8 @@ from dataclasses import replace
 import cv2
 import numpy as np
 import pytest
-from console import bytes_in, good, plogic
+from console import bytes_in, few_views, good, plogic
 from painted_cube import CAMERA, pose_towards
-from test_kb_learn import FEWER
 from twin_cubes import write_twins
 
 from geometry.frames import pose_error
@@ -27,9 +26,7 @@ from sensing.simulated.surroundings import Light, Surroundings
 @pytest.fixture(scope="module")
 def surroundings(tmp_path_factory):
     """Environment variables for the console script."""
-    folder = tmp_path_factory.mktemp("few")
-    (folder / "sitecustomize.py").write_text(FEWER)
-    return {"PYTHONPATH": str(folder), "XDG_CACHE_HOME": str(folder / "cache")}
+    return few_views(tmp_path_factory.mktemp("few"))
 
 
 @pytest.fixture(scope="module")

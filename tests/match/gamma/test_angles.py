@@ -8,7 +8,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from geometry.camera import Camera
-from plogic.match.gamma.screen_angles import screen_angle, wrapped
+from plogic.match.gamma.grid import screen_angle, wrapped
 
 CAMERA = Camera(100, 100, np.array([[80.0, 0.0, 50.0], [0.0, 80.0, 50.0], [0.0, 0.0, 1.0]]))
 ANY = st.floats(-50.0, 50.0)

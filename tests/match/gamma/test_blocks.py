@@ -14,7 +14,7 @@ from synthetic import CAMERA, perceiver
 from plogic.base.clock import OutOfTimeError
 from plogic.match.gamma import data as blocks
 from plogic.match.gamma.data import data_of
-from plogic.match.gamma.screen_angles import wrapped
+from plogic.match.gamma.grid import wrapped
 from plogic.match.hand import correspondences as links
 from plogic.match.hand import correspondences as open_pairs
 from plogic.match.hand.correspondences import ALONG_ONE_ARM, POINTING, data_links, linked_pairs

@@ -9,10 +9,10 @@ from synthetic import CAMERA, camera_pose, is_right, perceiver, scene, towers
 
 from geometry.frames import pose_error
 from plogic.match.gamma.data import data_of
-from plogic.match.hand.generate import generate, settle
+from plogic.match.hand.generate import generate
 from plogic.match.hand.hand_models import type_index
-from plogic.match.judged.alike import same_place
 from plogic.match.judged.evidence import evidence
+from plogic.match.judged.rivals import same_place
 from sensing.appearance import Gamma
 
 SEEDS = range(5000, 5012)
@@ -43,7 +43,7 @@ def shots():
 def ratio_at(name, pose, gamma):
     """The evidence for a pose once it is settled, as the cycle settles it."""
     data, index = data_of(gamma.appearances, CAMERA), perceiver().models[name]
-    return evidence(settle(index, pose, data, towers()), data, towers()).ratio
+    return evidence(index.settle(pose, data, towers()), data, towers()).ratio
 
 
 @pytest.mark.parametrize("name", ["t1", "t2"])

@@ -6,7 +6,7 @@ from synthetic import CAMERA, camera_pose, perceiver, scene
 
 from geometry.frames import pose_error
 from plogic.match.gamma.data import data_of
-from plogic.match.gamma.screen_angles import wrapped
+from plogic.match.gamma.grid import wrapped
 from plogic.match.hand.correspondences import MOST_PAIRS, data_links, feature_links, linked_pairs
 from plogic.match.hand.extend import coarse_poses
 from sensing.appearance import Appearance

@@ -11,7 +11,7 @@ from synthetic import CAMERA, camera_pose, perceiver, scene
 
 from plogic.match.gamma.data import data_of, project_ideal, viewpoints_of
 from plogic.match.hand.correspondences import Pairs, linked_pairs
-from plogic.match.hand.votes import best_apart, distance_maps, places_of, pose_votes, seen_cells, sizes, votes
+from plogic.match.hand.view_cells import best_apart, distance_maps, places_of, pose_votes, seen_cells, sizes, votes
 from sensing.appearance import Appearance
 
 PLACES = st.lists(st.tuples(st.integers(0, 639), st.integers(0, 479)), min_size=1, max_size=6, unique=True)
@@ -58,7 +58,7 @@ def test_outside_the_image_nothing_is_near(place):
     distance, datum = maps.look_up(np.array([[place]]))
     assert np.isinf(distance).all()
     assert (datum == -1).all()
-    assert np.isinf(maps.how_far(np.array([[place]]))).all()
+    assert np.isinf(maps.seen_at(np.array([[place]]))[0]).all()
 
 
 def test_covered_places_are_told():

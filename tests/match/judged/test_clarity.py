@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 from learned_scenes import gamma_at, one_sided, pose_before, ready
 from synthetic import camera_pose, data, posed_at, scene
 
-from plogic.cycle.attention import attend
+from plogic.cycle.perception import attend
 from plogic.match.judged.evidence import (
     CLEAR,
     LEAST_CLEAR,
@@ -23,11 +23,12 @@ from plogic.match.judged.evidence import (
     density,
     evidence,
     hit_rates,
+    log_share,
     match_density,
+    sigmas,
 )
-from plogic.match.judged.pose_information import log_share, sigmas
 from plogic.match.learned.agreement import ANGLES, SIZES
-from plogic.match.learned.lexicon import NTH
+from plogic.match.learned.keypoints import NTH
 from plogic.match.learned.looks import AROUND, BY_CHANCE, GROWTH, RAREST, TURNS
 
 EXACT = (0.9 * 2 * ANGLES / (sqrt(2 * pi) * TURNS) + 0.1) * (0.9 * 2 * SIZES / (sqrt(2 * pi) * GROWTH) + 0.1)

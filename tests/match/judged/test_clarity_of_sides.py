@@ -26,9 +26,9 @@ from plogic.match.judged.evidence import (
     evidence,
     hit_rates,
     kinds,
+    log_share,
     match_density,
 )
-from plogic.match.judged.pose_information import log_share
 
 COUNT = 40
 SIDED = np.arange(COUNT) % 2 == 0

@@ -8,7 +8,7 @@ from geometry.camera import Camera
 from geometry.frames import from_rotation_translation, pose_error, rotation_from_quat_xyzw, transform_points
 from geometry.poses.refine import Sight, refine_poses
 from plogic.match.gamma.data import data_of
-from plogic.match.judged.settling import side_sight, with_depths
+from plogic.match.judged.expectation import side_sight, with_depths
 from sensing.appearance import Appearance
 
 CAMERA = Camera(640, 480, np.array([[600.0, 0, 320], [0, 600.0, 240], [0, 0, 1]]))
@@ -39,7 +39,7 @@ def test_depths_fix_how_far_away_it_is():
         data = seen(1.0, 0.004, seed)
         pose = alone(data)
         sight = Sight(CAMERA, np.eye(4), POINTS, data.uv, np.ones(12))
-        better = with_depths(pose, sight, POINTS, np.arange(12), data, sigma=1.0, huber=3.0)
+        better = with_depths(pose, sight, np.arange(12), data, sigma=1.0, huber=3.0)
         off.append([abs(float(one[2, 3] - TRUTH[2, 3])) for one in (pose, better)])
     assert np.median(off, axis=0)[1] < 0.5 * np.median(off, axis=0)[0]
 
@@ -50,7 +50,7 @@ def test_the_unit_of_weights_changes_nothing():
     poses = []
     for weight in (1.0, 4.0):
         sight = Sight(CAMERA, np.eye(4), POINTS, data.uv, np.full(12, weight))
-        poses.append(with_depths(alone(data), sight, POINTS, np.arange(12), data, sigma=1.0, huber=1e6))
+        poses.append(with_depths(alone(data), sight, np.arange(12), data, sigma=1.0, huber=1e6))
     assert max(float(e) for e in pose_error(*poses)) < 1e-6
 
 
@@ -59,7 +59,7 @@ def test_exact_depths_hold_the_truth():
     exact = data_of([Appearance(f"a{i}", "t", tuple(uv), "x", depth=float(z), depth_sigma=1e-3) for i, (uv, z) in enumerate(zip(
         data.uv.tolist(), transform_points(TRUTH, POINTS)[:, 2], strict=True))], CAMERA)  # fmt: skip
     sight = Sight(CAMERA, np.eye(4), POINTS, exact.uv, np.ones(12))
-    found = with_depths(TRUTH, sight, POINTS, np.arange(12), exact, sigma=1.0, huber=3.0)
+    found = with_depths(TRUTH, sight, np.arange(12), exact, sigma=1.0, huber=3.0)
     assert max(float(e) for e in pose_error(found, TRUTH)) < 1e-9
 
 
@@ -67,10 +67,10 @@ def test_a_depth_that_cannot_be_right_does_not_count():
     data = seen(0.0, 1e-3, 1)
     data.depth[:6] = 1.2
     sight = Sight(CAMERA, np.eye(4), POINTS, data.uv, np.ones(12))
-    found = with_depths(TRUTH, sight, POINTS, np.arange(12), data, sigma=1.0, huber=3.0)
+    found = with_depths(TRUTH, sight, np.arange(12), data, sigma=1.0, huber=3.0)
     assert abs(float(found[2, 3] - TRUTH[2, 3])) < 2e-3
     data.depth[:] = 1.2
-    assert with_depths(TRUTH, sight, POINTS, np.arange(12), data, sigma=1.0, huber=3.0) is TRUTH
+    assert with_depths(TRUTH, sight, np.arange(12), data, sigma=1.0, huber=3.0) is TRUTH
 
 
 def test_without_depths_there_is_nothing_to_add():

@@ -10,8 +10,8 @@ from synthetic import CAMERA, cycle_of, data, posed_at, scene, stand, towers
 
 from geometry.bodies.depth import penetration
 from geometry.frames import pose_error
-from plogic.match.judged.disjoint import DEEP, contacts, moved_apart, pose_information
-from plogic.match.judged.rivals import solid_of
+from plogic.match.judged.evidence import pose_information
+from plogic.match.judged.rivals import DEEP, contacts, moved_apart, solid_of
 
 
 def pushed(seed, deep, names=("t1", "t2")):

@@ -19,9 +19,8 @@ from synthetic import (
 
 from plogic.cycle.delta import Options, delta_of
 from plogic.match.gamma.data import data_of
-from plogic.match.judged.evidence import FIXED_BY, clutter_density, density, evidence, hit_rates
+from plogic.match.judged.evidence import FIXED_BY, clutter_density, density, evidence, hit_rates, log_share, sigmas
 from plogic.match.judged.expectation import hidden_by
-from plogic.match.judged.pose_information import log_share, sigmas
 from plogic.run.perceive import Perceiver
 from plogic.scene.worlds.ranked_worlds import ranked_worlds
 from sensing.appearance import Appearance

@@ -7,8 +7,7 @@ from hypothesis import strategies as st
 from synthetic import CAMERA, camera_pose, data, posed_at, scene, towers
 
 from plogic.match.gamma.data import data_of
-from plogic.match.judged.evidence import as_counted, as_fitted, clutter_density
-from plogic.match.judged.pose_information import log_share, sigmas
+from plogic.match.judged.evidence import as_counted, as_fitted, clutter_density, log_share, sigmas
 
 
 def stand(seed, hit, clutter):

@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 from scipy.spatial.transform import Rotation
 
 from geometry.camera import Camera
-from plogic.match.judged.pose_information import DEPTHS, LOOSE, log_share
+from plogic.match.judged.evidence import DEPTHS, LOOSE, log_share
 
 CAMERA = Camera(640, 480, np.array([[600.0, 0, 319.5], [0, 600.0, 239.5], [0, 0, 1]]))
 SQUARE = Camera(500, 500, np.array([[600.0, 0, 249.5], [0, 600.0, 249.5], [0, 0, 1]]))

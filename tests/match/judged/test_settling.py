@@ -8,7 +8,7 @@ import numpy as np
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from plogic.match.judged.settling import settled
+from plogic.match.judged.expectation import settled
 
 LISTS = st.lists(st.integers(0, 4), min_size=1, max_size=8)
 

@@ -11,7 +11,7 @@ from random_cloud import random_cloud
 
 from geometry.frames import transform_points
 from plogic.match.gamma.data import centre_of, data_of
-from plogic.match.gamma.screen_angles import screen_angle
+from plogic.match.gamma.grid import screen_angle
 from plogic.match.learned.agreement import ANGLES, ASIDE, GRAZING, SIZES, Agreement, agreement, held_by, votes
 from plogic.match.learned.keypoints import Pairs, pairs_of
 from plogic.match.learned.learned_poses import generate

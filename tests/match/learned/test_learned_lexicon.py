@@ -16,7 +16,7 @@ from random_cloud import random_cloud, random_words
 
 from plogic.match.gamma.data import data_of
 from plogic.match.kinds import models_of
-from plogic.match.learned.lexicon import FARTHEST, FARTHEST_BITS, NTH, WORDS, lexicon_of, spread
+from plogic.match.learned.keypoints import FARTHEST, FARTHEST_BITS, NTH, WORDS, lexicon_of, spread
 from sensing.appearance import Appearance
 
 WIDTHS = pytest.mark.parametrize("width", [32, 128, 138])

@@ -9,9 +9,8 @@ from hypothesis import strategies as st
 from learned_scenes import one_sided, pose_before, ready, viewpoint, with_sides
 from random_cloud import random_cloud, unit
 
-from plogic.match.learned import held_lobes as lobes_module
-from plogic.match.learned.agreement import ASIDE, GRAZING
-from plogic.match.learned.held_lobes import first_held, held_from, lobes_about
+from plogic.match.learned import agreement as lobes_module
+from plogic.match.learned.agreement import ASIDE, GRAZING, first_held, held_from, lobes_about
 
 SEEDS = st.integers(0, 9999)
 RIM = 1e-4
@@ -63,7 +62,7 @@ def test_the_first_that_hold_are_those_of_all_that_hold(seed, count, most, block
     lobes, viewpoints = made(seed).index.lobes, around(np.random.default_rng(seed), count)
     all_held = held_from(lobes, viewpoints, granularity)
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(lobes_module, "_BLOCK", block)
+        patch.setattr(lobes_module, "_LOBES_BLOCK", block)
         viewpoint, place = first_held(lobes, viewpoints, granularity, most)
     expected = [(h, p) for h in range(count) for p in np.flatnonzero(all_held[h])[:most].tolist()]
     assert list(zip(viewpoint.tolist(), place.tolist(), strict=True)) == expected

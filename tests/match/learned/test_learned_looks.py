@@ -16,12 +16,11 @@ from learned_scenes import gamma_at, keypoint_of, one_sided, pose_before, ready,
 from random_cloud import random_cloud
 
 from plogic.match.gamma.data import data_of
-from plogic.match.gamma.screen_angles import screen_angle
+from plogic.match.gamma.grid import screen_angle
 from plogic.match.judged.evidence import clutter_density
-from plogic.match.learned.agreement import ANGLES, ASIDE, GRAZING, SIZES
-from plogic.match.learned.held_lobes import lobes_about
+from plogic.match.learned.agreement import ANGLES, ASIDE, GRAZING, SIZES, lobes_about
+from plogic.match.learned.keypoints import FARTHEST, NTH
 from plogic.match.learned.learned_match import pose_of
-from plogic.match.learned.lexicon import FARTHEST, NTH
 from plogic.match.learned.looks import (
     AROUND,
     AS_RIGHT,

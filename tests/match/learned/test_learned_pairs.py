@@ -13,9 +13,8 @@ from learned_scenes import gamma_at, pose_before, ready
 from random_cloud import random_cloud
 
 from plogic.match.learned import keypoints as pairs_module
-from plogic.match.learned.keypoints import CELL, CLOSE, EACH, OFF, pairs_of
-from plogic.match.learned.lexicon import FARTHEST, FARTHEST_BITS, NTH
-from plogic.match.learned.lexicon import spread as spread_out
+from plogic.match.learned.keypoints import CELL, CLOSE, EACH, FARTHEST, FARTHEST_BITS, NTH, OFF, pairs_of
+from plogic.match.learned.keypoints import spread as spread_out
 from sensing.detectors.edge_sides import fairly
 
 FIELDS = ("datum", "lobe", "weight")

@@ -16,12 +16,11 @@ from random_cloud import random_cloud
 from geometry.frames import pose_error, transform_points
 from kb.clouds.lobes import in_lobe
 from plogic.match.gamma.data import data_of
-from plogic.match.gamma.screen_angles import screen_angle
-from plogic.match.learned.agreement import ANGLES, ASIDE, SIZES
-from plogic.match.learned.held_lobes import lobes_held
+from plogic.match.gamma.grid import screen_angle
+from plogic.match.learned.agreement import ANGLES, ASIDE, SIZES, lobes_held
+from plogic.match.learned.keypoints import FARTHEST
 from plogic.match.learned.learned_match import FEWEST, NOISE, WIDE, blur, matched, pose_of
 from plogic.match.learned.learned_poses import generate
-from plogic.match.learned.lexicon import FARTHEST
 from plogic.match.learned.looks import LOOSER
 
 

@@ -9,7 +9,7 @@ from random_cloud import random_cloud
 
 from geometry.frames import is_rigid
 from plogic.match.gamma.data import data_of
-from plogic.match.learned.keypoints import FARTHEST, NEAREST, Pairs, plausible, single_poses
+from plogic.match.learned.keypoints import FARTHEST_MIDDLE, NEAREST_MIDDLE, Pairs, plausible, single_poses
 
 
 def pairs(lobes):
@@ -37,7 +37,9 @@ def test_several_keypoints_are_as_each_alone():
     np.testing.assert_allclose(single_poses(thing.index, pairs(lobes), data_of(rows, CAMERA)), poses, atol=1e-5)
 
 
-@pytest.mark.parametrize(("factor", "kept"), [(0.9 * NEAREST, 0), (1.5, 1), (0.9 * FARTHEST, 1), (1.1 * FARTHEST, 0)])
+@pytest.mark.parametrize(
+    ("factor", "kept"), [(0.9 * NEAREST_MIDDLE, 0), (1.5, 1), (0.9 * FARTHEST_MIDDLE, 1), (1.1 * FARTHEST_MIDDLE, 0)]
+)
 def test_what_is_too_near_or_too_far_is_not_believed(factor, kept):
     thing = ready()
     pose = np.eye(4)

@@ -16,7 +16,7 @@ from learned_scenes import CAMERA, gamma_at, keypoint_of, one_sided, pose_before
 
 from geometry.frames import from_rotation_translation, pose_error
 from plogic.match.gamma.data import data_of
-from plogic.match.learned.held_lobes import lobes_held
+from plogic.match.learned.agreement import lobes_held
 from plogic.match.learned.learned_match import matched, pose_of
 
 COUNT = 30

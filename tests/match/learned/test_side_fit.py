@@ -14,9 +14,9 @@ from random_cloud import random_cloud, unit
 from geometry.frames import transform_points
 from kb.clouds.words import COLOURS, SIDE
 from plogic.match.gamma.data import data_of
-from plogic.match.gamma.screen_angles import screen_angle
+from plogic.match.gamma.grid import screen_angle
 from plogic.match.gamma.side_looks import OFF
-from plogic.match.learned.held_lobes import lobes_held
+from plogic.match.learned.agreement import lobes_held
 from plogic.match.learned.learned_refinement import side_fit
 from plogic.match.learned.sides import ALONG, TURNED
 from sensing.appearance import Appearance

@@ -17,9 +17,9 @@ from random_cloud import random_cloud, unit
 from geometry.frames import transform_points
 from kb.clouds.words import COLOURS
 from plogic.match.gamma.data import data_of
-from plogic.match.gamma.screen_angles import screen_angle
+from plogic.match.gamma.grid import screen_angle
 from plogic.match.gamma.side_looks import OFF, looks_fit
-from plogic.match.learned.held_lobes import lobes_held
+from plogic.match.learned.agreement import lobes_held
 from plogic.match.learned.learned_match import pose_of
 from plogic.match.learned.sides import ALONG, AROUND, FEW, TURNED, _one_to_one, side_matches
 from sensing.appearance import Appearance

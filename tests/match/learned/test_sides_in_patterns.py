@@ -14,7 +14,7 @@ from random_cloud import random_cloud
 from test_patterns import BRIGHT, CAMERA, MIDDLE, checkered, gamma, square
 
 from plogic.match.judged.evidence import clutter_density, evidence, hit_rates, match_density
-from plogic.match.learned.held_lobes import lobes_held
+from plogic.match.learned.agreement import lobes_held
 from plogic.match.learned.learned_match import SIDES_NOISE, matched, pose_of
 from plogic.match.learned.sides import FEW_SIDES, MANY, ORDERED, side_likeness, side_matches
 

@@ -13,11 +13,10 @@ from geometry.camera import Camera
 from geometry.frames import inverse, transform_points
 from kb.clouds.lobes import in_lobe
 from plogic.match.gamma.data import data_of
-from plogic.match.gamma.screen_angles import screen_angle
+from plogic.match.gamma.grid import screen_angle
 from plogic.match.judged.evidence import evidence
 from plogic.match.oriented.asked import chances_of
-from plogic.match.oriented.climb import AS_GOOD, by_fours, climbed
-from plogic.match.oriented.drawn import DEVIATIONS, MATCHED, NEAR, WITHIN, drawn, shown
+from plogic.match.oriented.drawn import AS_GOOD, DEVIATIONS, MATCHED, NEAR, WITHIN, by_fours, climbed, drawn, shown
 from plogic.match.oriented.oriented_search import turned_about
 from plogic.match.oriented.pair_votes import BENT
 

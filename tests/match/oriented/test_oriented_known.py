@@ -15,10 +15,19 @@ from scipy.spatial.transform import Rotation
 
 from geometry.poses.reprojection import information
 from plogic.match.gamma.data import data_of
-from plogic.match.gamma.screen_angles import screen_angle
+from plogic.match.gamma.grid import screen_angle
 from plogic.match.hand.hand_models import type_index
-from plogic.match.judged.evidence import as_counted, as_fitted, clutter_density, evidence
-from plogic.match.judged.pose_information import DEPTHS, known, log_share, share_of, sigmas
+from plogic.match.judged.evidence import (
+    DEPTHS,
+    as_counted,
+    as_fitted,
+    clutter_density,
+    evidence,
+    known,
+    log_share,
+    share_of,
+    sigmas,
+)
 from plogic.match.judged.type_models import SURE
 from plogic.match.oriented.oriented_models import search_of
 from plogic.measures.distinctiveness import distinctiveness, instance_counts

@@ -9,7 +9,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from oriented_scenes import clouds
 
-from plogic.match.gamma.screen_angles import wrapped
+from plogic.match.gamma.grid import wrapped
 from plogic.match.oriented.pair_index import BINS, FINE, NEIGHBOURS, SHORTEST, STEP, pair_index, said
 
 SMALL = {"count": 3, "features": 40, "looks": 6, "seed": 4}

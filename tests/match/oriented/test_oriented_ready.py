@@ -3,6 +3,7 @@
 The same answers from the files as without them, found by content alone.
 """
 
+import shutil
 from dataclasses import replace
 
 import numpy as np
@@ -11,8 +12,8 @@ from oriented_scenes import a_trial, clouds
 
 from plogic.base.clock import Stopwatch
 from plogic.cycle.delta import Options
+from plogic.match.oriented.oriented_models import MANY, ready
 from plogic.match.oriented.oriented_search import Search
-from plogic.match.oriented.ready import MANY, ready
 from plogic.run.perceive import Perceiver
 
 LITTLE = {"count": MANY, "features": 12, "looks": 12}
@@ -68,13 +69,16 @@ def test_what_comes_from_the_files_is_what_was_made(tmp_path):
 )
 def test_types_in_another_order_or_fewer_of_them_have_an_index_of_their_own(tmp_path, chosen):
     types = clouds(**MORE).kb.types
-    made(tmp_path, types)
+    all_of_them = made(tmp_path, types)
     right = made(None, types[chosen])
-    for _ in range(2):
-        assert the_same(made(tmp_path, types[chosen]), right)
+    for mapped in (False, True):
+        one = made(tmp_path, types[chosen])
+        assert the_same(one, right)
+        assert isinstance(one.key, np.memmap) == mapped
         assert len(kept(tmp_path)) == 2
-    assert isinstance(made(tmp_path, types[chosen]).key, np.memmap)
-    assert the_same(made(tmp_path, types), made(None, types))
+    again = made(tmp_path, types)
+    assert isinstance(again.key, np.memmap)
+    assert the_same(again, all_of_them)
 
 
 def rewritten(change):
@@ -95,10 +99,18 @@ HARMS = {
 }  # fmt: skip
 
 
+@pytest.fixture(scope="module")
+def whole(tmp_path_factory):
+    """A folder with one index kept, and that index."""
+    folder = tmp_path_factory.mktemp("whole")
+    return folder, made(folder)
+
+
 @pytest.mark.parametrize("name", ["key", "entry", "sights_looks", "sights_diameter", "cells_xy"])
 @pytest.mark.parametrize("harm", HARMS.values(), ids=HARMS)
-def test_what_is_harmed_is_made_anew(tmp_path, name, harm):
-    first = made(tmp_path)
+def test_what_is_harmed_is_made_anew(tmp_path, whole, name, harm):
+    folder, first = whole
+    shutil.copytree(folder, tmp_path, dirs_exist_ok=True)
     harm(next(tmp_path.iterdir()) / f"{name}.npy")
     again = made(tmp_path)
     assert the_same(again, first)

@@ -13,11 +13,11 @@ from kb.clouds.lobes import FeatureAppearance
 from kb.surfaces.surface import Surface
 from plogic.base.remembered import OURS, ROOT, sources, sources_in
 from plogic.match.hand.hand_models import type_index
-from plogic.match.oriented import ready as ready_key
+from plogic.match.oriented import oriented_models as ready_key
+from plogic.match.oriented.oriented_models import SOURCES, _arrays, key_of
 from plogic.match.oriented.pair_index import pair_index
-from plogic.match.oriented.ready import SOURCES, _arrays, key_of
 
-READY = "plogic/match/oriented/ready.py"
+READY = "plogic/match/oriented/oriented_models.py"
 
 
 def types():
@@ -141,7 +141,7 @@ def test_so_is_all_that_makes_the_types_and_all_that_is_imported():
         "kb/files/read.py",
         "kb/clouds/cloud.py",
         "geometry/visibility/rays.py",
-        "plogic/match/oriented/ready.py",
+        "plogic/match/oriented/oriented_models.py",
     } | sources(ROOT, READY) <= found
     assert {name.split("/")[0] for name in found} == {"geometry", "kb", "plogic"}, "the wheel holds them"
     assert not any("__pycache__" in name for name in found)

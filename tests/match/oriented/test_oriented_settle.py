@@ -14,9 +14,16 @@ from oriented_scenes import EASY, STRAIGHT, clouds, datum, flat_cap, picture_of,
 from geometry.frames import from_rotation_translation, is_rigid, pose_error, rotation_angle, rotation_from_quat_xyzw
 from geometry.poses.refine import refine_poses
 from plogic.match.gamma.data import data_of
+from plogic.match.judged.evidence import verified
 from plogic.match.judged.expectation import pose_of
-from plogic.match.oriented.angle_refinement import Held, Noise, refined
-from plogic.match.oriented.oriented_match import DEVIATIONS, matched_at, polished, settle, verified
+from plogic.match.oriented.oriented_match import (
+    DEVIATIONS,
+    Held,
+    Noise,
+    matched_at,
+    polished,
+    refined,
+)
 from plogic.run.perceive import Perceiver
 
 SIGMA, NOISE = EASY.turn, 2.0
@@ -136,12 +143,12 @@ def test_polishing_brings_a_pose_home():
     beside = pose.copy()
     beside[:3, :3] = pose[:3, :3] @ rotation_from_quat_xyzw([0.006, -0.008, 0.004, 1.0])
     beside[:3, 3] += [0.001, -0.0005, 0.01]
-    posed = settle(index, beside, data, clouds().kb, rounds=4)
+    posed = index.settle(beside, data, clouds().kb, rounds=4)
     assert np.allclose(posed.camera_from_object, pose, atol=1e-4)
     assert posed.detected.sum() == len(appearances)
-    again = settle(index, posed, data, clouds().kb, rounds=2)
+    again = index.settle(posed, data, clouds().kb, rounds=2)
     assert np.array_equal(again.matches, posed.matches), "what is settled stays"
-    assert np.array_equal(settle(index, beside, data, clouds().kb, rounds=0).camera_from_object, beside)
+    assert np.array_equal(index.settle(beside, data, clouds().kb, rounds=0).camera_from_object, beside)
 
 
 def test_the_cycle_settles_this_way_where_angles_count_and_the_old_way_where_not():

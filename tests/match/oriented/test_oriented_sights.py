@@ -10,7 +10,7 @@ from synthetic import perceiver
 from geometry.camera import Camera
 from geometry.frames import transform_points
 from kb.clouds.lobes import in_lobe
-from plogic.match.gamma.screen_angles import wrapped
+from plogic.match.gamma.grid import wrapped
 from plogic.match.hand.view_cells import DISTANCE
 from plogic.match.oriented.pair_index import sights_of
 

@@ -110,7 +110,7 @@ def test_the_best_come_first_and_no_more_than_are_asked_for():
 def test_of_more_than_can_be_asked_the_first_are(monkeypatch):
     _, _, data = a_trial(clouds(), 8)
     typed = typed_data(data, clouds().shared.looks)
-    monkeypatch.setattr(module, "MOST", int(module._counts(clouds().shared, 3, typed).sum()) + 10)
+    monkeypatch.setattr(module, "MOST", int(typed.count[clouds().shared.sights.looks[3]].sum()) + 10)
     votes, asked = votes_of(clouds(), data, kinds=[3, 0, 1])
     assert asked == 1
     assert set(votes.kind) == {3}

@@ -10,8 +10,8 @@ from oriented_scenes import EASY, Ready, a_trial, clouds
 
 from geometry.frames import transform_points
 from plogic.match.gamma.data import data_of
+from plogic.match.oriented.oriented_models import key_of
 from plogic.match.oriented.pair_votes import AS_WIDE, raw_votes
-from plogic.match.oriented.ready import key_of
 
 WIDTH = 0.02
 

@@ -10,7 +10,7 @@ from oriented_scenes import STRAIGHT, a_trial, clouds, datum, picture_of, seen_f
 
 from geometry.frames import pose_error
 from plogic.match.gamma.data import centre_of, data_of
-from plogic.match.gamma.screen_angles import wrapped
+from plogic.match.gamma.grid import wrapped
 from plogic.match.hand.view_cells import DISTANCE
 from plogic.match.oriented.asked import typed_data
 from plogic.match.oriented.oriented_search import coarse_poses

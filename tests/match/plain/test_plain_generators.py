@@ -13,9 +13,8 @@ from plogic.base.errors import InputError
 from plogic.cycle.delta import Options
 from plogic.match.gamma.data import data_of
 from plogic.match.plain import quadruples
-from plogic.match.plain.extended import off, pairs_of, scene_of
 from plogic.match.plain.plain_models import PLAIN, generate_plainly
-from plogic.match.plain.quadruples import drawn, every, how_many
+from plogic.match.plain.quadruples import drawn, every, how_many, off, pairs_of, scene_of
 from plogic.run.perceive import Perceiver
 
 SCENE = (1, 9, ANGLES)

@@ -9,7 +9,7 @@ import numpy as np
 from geometry.camera import Camera
 from geometry.frames import inverse, look_at, transform_points
 from kb.clouds.cloud import Rates
-from plogic.sequence.views.view import View
+from plogic.sequence.constancy.sight_lines import View
 from sensing.appearance import Appearance, Gamma
 
 CAMERA = Camera(640, 480, np.array([[600.0, 0.0, 320.0], [0.0, 600.0, 240.0], [0.0, 0.0, 1.0]]))

@@ -23,8 +23,7 @@ from plogic.face.authoring.kb_show import check_command
 from plogic.face.authoring.kb_types import assimilate_command
 from plogic.run.perceive import Perceiver
 from plogic.sequence.constancy.decide import unknown_objects
-from plogic.sequence.constancy.draft import draft_type
-from plogic.sequence.constancy.result import constancy_document, seen_features
+from plogic.sequence.constancy.result import constancy_document, draft_type, seen_features
 from sensing.files.gamma_files import appearance_to_dict, gamma_to_dict
 
 SEED = 2003

@@ -7,7 +7,7 @@ from itertools import combinations
 import numpy as np
 import pytest
 
-from plogic.sequence.constancy.packing import packing, probabilities
+from plogic.sequence.constancy.decide import packing, probabilities
 
 
 def drawn(rng, count=9, views=3, data=4):

@@ -11,7 +11,7 @@ from moved_views import CAMERA, RATES, all_of, blob, ring, views_of, without
 from geometry.camera import Camera
 from plogic.sequence.constancy.decide import unknown_objects
 from plogic.sequence.constancy.result import constancy_document
-from plogic.sequence.views.view import View
+from plogic.sequence.constancy.sight_lines import View
 from sensing.appearance import Appearance, Gamma
 
 

@@ -12,11 +12,10 @@ import pytest
 from moved_views import CAMERA, RATES, all_of, ring, views_of
 
 from geometry.frames import inverse, transform_points
-from plogic.match.gamma.screen_angles import screen_angle
-from plogic.sequence.constancy.sight_lines import sights_of
+from plogic.match.gamma.grid import screen_angle
+from plogic.sequence.constancy.sight_lines import View, sights_of
 from plogic.sequence.constancy.tracks import DEPTHS, tracks_of
 from plogic.sequence.constancy.weights import HALF_ANGLES, log_pattern, log_turns, log_weights
-from plogic.sequence.views.view import View
 from sensing.appearance import Gamma
 
 
@@ -27,7 +26,7 @@ def test_laplaces_integral_is_the_integral(count):
     sights = sights_of(views, all_of(views), RATES)
     tracks = tracks_of(sights)
     which = int((tracks.data >= 0).sum(axis=1).argmax())
-    one = tracks.some(np.array([which]))
+    one = tracks.take(np.array([which]))
     expected = log_weights(sights, one, None)[0] - _pattern(one, sights)
     assert expected == pytest.approx(_by_sampling(views, one, rng), abs=0.1)
 
@@ -80,7 +79,7 @@ def test_turns_are_the_mean_over_directions():
     ]
     sights = sights_of(views, all_of(views), rates)
     tracks = tracks_of(sights)
-    pair = tracks.some(np.flatnonzero((tracks.data >= 0).sum(axis=1) == 2)[:1])
+    pair = tracks.take(np.flatnonzero((tracks.data >= 0).sum(axis=1) == 2)[:1])
     seen = np.flatnonzero(pair.data[0] >= 0)
     axes = rng.normal(size=(400_000, 3))
     joint = np.ones(len(axes))

@@ -10,7 +10,7 @@ from geometry.camera import Camera
 from geometry.frames import inverse, look_at
 from kb.files.folder import shipped
 from kb.files.read import read_kb
-from plogic.sequence.next_view.prospect import Body, Cloud, Prospect
+from plogic.sequence.next_view.expected import Body, Cloud, Prospect
 
 CAMERA = Camera(640, 480, np.array([[600.0, 0, 320], [0, 600.0, 240], [0, 0, 1]]))
 MIDDLE = np.array([0.0, 0.0, 1.0])

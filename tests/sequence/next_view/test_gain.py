@@ -7,8 +7,8 @@ from itertools import product
 import numpy as np
 import pytest
 
-from plogic.sequence.next_view import gain as module
-from plogic.sequence.next_view.gain import each_site, entropy, gain
+from plogic.sequence.next_view import look as module
+from plogic.sequence.next_view.look import each_site, entropy, gain
 
 
 def _case(seed, worlds=4, sites=6, levels=3):

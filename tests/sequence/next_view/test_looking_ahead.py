@@ -8,8 +8,7 @@ import numpy as np
 import pytest
 from made_prospects import CAMERA, body, camera_at, prospect
 
-from plogic.sequence.next_view.gain import entropy
-from plogic.sequence.next_view.look import looked_ahead
+from plogic.sequence.next_view.look import entropy, looked_ahead
 from plogic.sequence.next_view.moves import Candidate, ring, standing, turned_to, within
 
 WORLD = np.eye(4)

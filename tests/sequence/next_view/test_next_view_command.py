@@ -22,7 +22,7 @@ from plogic.face.shown.options import Moves
 from plogic.facts.interpretation import situation_of, text_of
 from plogic.run.perceive import Perceiver
 from plogic.scene.asking.query import answers
-from plogic.sequence.next_view.goal import answers_in
+from plogic.sequence.next_view.look import answers_in
 from plogic.sequence.next_view.reading import prospect_of
 from sensing.appearance import Appearance, Gamma
 

@@ -19,9 +19,8 @@ from kb.files.folder import shipped
 from kb.files.read import read_kb
 from plogic.cycle.delta import Options
 from plogic.run.perceive import Perceiver
-from plogic.sequence.views.panorama import Panorama
-from plogic.sequence.views.panorama_document import panorama_document
-from plogic.sequence.views.view import View
+from plogic.sequence.constancy.sight_lines import View
+from plogic.sequence.views.panorama import Panorama, panorama_document
 from sensing.appearance import Appearance, Gamma
 
 SOUTH, SOUTH_TOO, NORTH = camera_at(0.6, -4.0, 1.8), camera_at(-0.3, -4.1, 1.8), camera_at(-0.6, 4.0, 1.8)

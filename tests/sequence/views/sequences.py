@@ -13,8 +13,8 @@ from synthetic import CAMERA, MIDDLE, perceiver, scene, upright
 
 from geometry.frames import inverse, look_at
 from plogic.cycle.delta import Options
+from plogic.sequence.constancy.sight_lines import View
 from plogic.sequence.views.panorama import Panorama
-from plogic.sequence.views.view import View
 
 POSTERIOR = Options(reading="posterior")
 BESIDE = {"t1": upright(-0.9, 0.0, 0.3), "t2": upright(0.9, 0.2, 1.1)}

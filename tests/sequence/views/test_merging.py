@@ -10,7 +10,7 @@ from benchmarks.look_again.scenes import scene
 from benchmarks.look_again.types import look_alikes
 from geometry.frames import inverse, pose_error
 from plogic.run.perceive import Perceiver
-from plogic.sequence.views.merging import merged
+from plogic.sequence.views.joint import merged
 
 SEED = 11
 

@@ -9,7 +9,7 @@ from synthetic import towers
 
 from geometry.errors import GeometryError
 from geometry.frames import pose_error
-from plogic.sequence.views.view import View
+from plogic.sequence.constancy.sight_lines import View
 
 SEEDS = [0, 1, 2]
 
