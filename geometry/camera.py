@@ -193,6 +193,12 @@ class Camera:
         return np.asarray((uv - self.K[:2, 2]) @ np.linalg.inv(self.K[:2, :2]).T)
 
 
+def centred_camera(size: tuple[int, int], f: float) -> Camera:
+    """A camera without distortion, fx = fy = `f` px, its centre at the middle of an image of `size` (width, height)."""
+    width, height = size
+    return Camera(width, height, np.array([[f, 0, (width - 1) / 2], [0, f, (height - 1) / 2], [0, 0, 1.0]]))
+
+
 def camera_to_dict(camera: Camera) -> dict[str, Any]:
     """The contract's `camera` key of `camera`: width, height, K, dist, and T_world_camera where known."""
     document: dict[str, Any] = {

@@ -4,6 +4,7 @@ A product is right when neighbours cancel: `camera_from_object = camera_from_wor
 Every function broadcasts over leading axes; positions are metres, angles radians, quaternions in the order x, y, z, w.
 """
 
+import math
 from functools import reduce
 
 import numpy as np
@@ -101,6 +102,17 @@ def rotation_from_quat_xyzw(quat_xyzw: ArrayLike) -> Floats:
         [2 * (x * z - y * w), 2 * (y * z + x * w), 1 - 2 * (x * x + y * y)],
     ]
     return np.stack([np.stack(row, axis=-1) for row in rows], axis=-2)
+
+
+def turn_about(axis: ArrayLike, angle: float) -> Floats:
+    """The rotation (3, 3) by `angle` rad about the unit vector `axis` (3,)."""
+    return rotation_from_quat_xyzw([*(math.sin(angle / 2) * np.asarray(axis)), math.cos(angle / 2)])
+
+
+def motion_about(axis: ArrayLike, at: ArrayLike, angle: float) -> Floats:
+    """The motion (4, 4) that turns by `angle` rad about the line through `at` (3,) along the unit vector `axis` (3,)."""
+    turn = turn_about(axis, angle)
+    return from_rotation_translation(turn, np.asarray(at) - turn @ np.asarray(at))
 
 
 def quat_xyzw_from_rotation(R: ArrayLike) -> Floats:

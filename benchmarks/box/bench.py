@@ -112,7 +112,7 @@ def learned(folder: Path, seed: int, *, quick: bool, say: Callable[[str], None])
 
 def answered(kb: KnowledgeBase, say: Callable[[str], None]) -> list[Answer]:
     """Every frame, at the right and at the wrong focal length."""
-    from geometry.poses.register import centred_camera
+    from geometry.camera import centred_camera
     from plogic.run.perceive import Perceiver
 
     marked = json.loads((MARKS / "frame_corners.json").read_text(encoding="utf-8"))
@@ -153,7 +153,7 @@ def drawn(kb: KnowledgeBase, frame: str) -> bytes:
     """A JPEG: the box's expected features in a frame, found and missed, at the right and at a wrong focal length."""
     import cv2
 
-    from geometry.poses.register import centred_camera
+    from geometry.camera import centred_camera
     from plogic.cycle.delta import Options
     from plogic.face.shown.overlay import overlay
     from plogic.run.perceive import Perceiver

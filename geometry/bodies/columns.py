@@ -15,6 +15,7 @@ import numpy as np
 import shapely
 
 from geometry.arrays import Floats, Ints, Mask
+from geometry.bodies.resting import along_plane
 from geometry.frames import rotate, transform_points
 from geometry.visibility.occlusion import PosedSurface, even_grid
 from geometry.visibility.outline import Area, drawn_together
@@ -71,9 +72,7 @@ class Contact(NamedTuple):
 def level_axes(up: Floats) -> Floats:
     """(3, 3), rows: two level unit vectors at right angles, and `up` (3,), made a unit vector."""
     unit = up / np.linalg.norm(up)
-    first = np.cross(unit, np.eye(3)[np.abs(unit).argmin()])
-    first /= np.linalg.norm(first)
-    return np.stack([first, np.cross(unit, first), unit])
+    return np.vstack([along_plane(unit).T, unit])
 
 
 def body_of(surface: PosedSurface, up: Floats) -> Body:

@@ -27,7 +27,7 @@ from scipy.optimize import nnls
 from scipy.spatial import ConvexHull, QhullError
 
 from geometry.arrays import Floats, Ints, last_axes
-from geometry.bodies.overlap import Solid, nearest_places
+from geometry.bodies.overlap import Solid, balls_of, near_places
 from geometry.frames import inverse, transform_points
 from geometry.visibility.rays import RayMesh
 
@@ -298,18 +298,9 @@ def inscribed_radius(body: Any) -> float:  # noqa: ANN401 - manifold3d ships no 
     )  # a little inside, so that the facet itself is not met
     kept = np.isfinite(chords)
     middles, best = starts[kept] + 0.5 * chords[kept, None] * inward[kept], 0.0
-    balls = corners.mean(axis=1), np.linalg.norm(corners - corners.mean(axis=1, keepdims=True), axis=2).max(axis=1)
+    balls = balls_of(corners)
     for place in np.argsort(-chords[kept], kind="stable"):
         if 0.5 * chords[kept][place] > best:
-            best = max(best, _distance(corners, balls, middles[place]))
+            near = near_places(vertices, triangles, balls, middles[place])
+            best = max(best, float(np.linalg.norm(near - middles[place], axis=1).min()))
     return best
-
-
-def _distance(corners: Floats, balls: tuple[Floats, Floats], place: Floats) -> float:
-    """Metres from a place (3,) to the nearest of triangles (T, 3, 3).
-
-    `balls`, middles (T, 3) and radii (T,), hold these, so that few are asked.
-    """
-    far = np.linalg.norm(balls[0] - place, axis=1)
-    few = corners[far - balls[1] <= (far + balls[1]).min()]
-    return float(np.linalg.norm(nearest_places(few, place) - place, axis=1).min())

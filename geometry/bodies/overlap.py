@@ -21,7 +21,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 from scipy.spatial import ConvexHull, QhullError, cKDTree
 
-from geometry.arrays import Floats, last_axes
+from geometry.arrays import Floats, Ints, last_axes
 from geometry.errors import GeometryError
 from geometry.frames import inverse, transform_points
 from geometry.visibility.occlusion import PosedSurface
@@ -158,16 +158,19 @@ SETTLED = 1e-3
 """Share of the gap by which a step must lessen it, or the next is not taken."""
 
 
-class Spread(NamedTuple):
-    """``points`` (N, 3) m, object frame, and their k-d tree.
+class Balls(NamedTuple):
+    """Balls that hold facets: their ``middles`` (T, 3) and ``radii`` (T,)."""
 
-    ``middles`` (T, 3) and ``radii`` (T,) of balls that hold the facets.
-    """
+    middles: Floats
+    radii: Floats
+
+
+class Spread(NamedTuple):
+    """``points`` (N, 3) m, object frame, their k-d tree, and the ``balls`` of the facets."""
 
     points: Floats
     tree: Any
-    middles: Floats
-    radii: Floats
+    balls: Balls
 
 
 def gap(x: PosedSurface, y: PosedSurface, solids: tuple[Solid | None, Solid | None] = (None, None)) -> float:
@@ -212,12 +215,21 @@ def _followed(x: PosedSurface, y: PosedSurface, x_from_y: Floats) -> float:
 
 
 def _nearest(surface: PosedSurface, place: Floats) -> Floats:
-    """The place (3,) of a surface that is nearest to another, object frame: by the balls round its facets, then by the few that are left."""
-    points = spread(surface.rays)
-    far = np.linalg.norm(points.middles - place, axis=1)
-    few = surface.vertices[surface.triangles[far - points.radii <= (far + points.radii).min()]]
-    nearest = nearest_places(few, place)
-    return np.asarray(nearest[np.linalg.norm(nearest - place, axis=1).argmin()])
+    """The place (3,) of a surface that is nearest to another, object frame."""
+    near = near_places(surface.vertices, surface.triangles, spread(surface.rays).balls, place)
+    return np.asarray(near[np.linalg.norm(near - place, axis=1).argmin()])
+
+
+def near_places(vertices: Floats, triangles: Ints, balls: Balls, place: Floats) -> Floats:
+    """Places (K, 3) on those of the triangles (T, 3) that may be nearest to `place` (3,), as their `balls` tell."""
+    far = np.linalg.norm(balls.middles - place, axis=1)
+    return nearest_places(vertices[triangles[far - balls.radii <= (far + balls.radii).min()]], place)
+
+
+def balls_of(corners: Floats) -> Balls:
+    """Of triangles (T, 3, 3)."""
+    middles = corners.mean(axis=1)
+    return Balls(middles, np.linalg.norm(corners - middles[:, None], axis=2).max(axis=1))
 
 
 @lru_cache(maxsize=256)
@@ -232,8 +244,7 @@ def spread(rays: RayMesh) -> Spread:
     points = np.concatenate(
         [rays.vertices[:: 1 + len(rays.vertices) // SPREAD], u * a[some] + (v - u) * b[some] + (1.0 - v) * c[some]]
     )
-    middles = corners.mean(axis=1)
-    return Spread(points, cKDTree(points), middles, np.linalg.norm(corners - middles[:, None], axis=2).max(axis=1))
+    return Spread(points, cKDTree(points), balls_of(corners))
 
 
 def nearest_places(corners: Floats, place: Floats) -> Floats:

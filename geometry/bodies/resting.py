@@ -12,6 +12,7 @@ there too.
 
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
+from itertools import product
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -47,7 +48,7 @@ class Plane:
     def moves(self) -> Floats:
         """(6, 3) the steps (w, v) of ``geometry.poses.refine`` that leave resting what rests: a turn about ``up``, and two moves along the plane."""
         result = np.zeros((6, 3))
-        result[:3, 0], result[3:, 1:] = self.up, _along(self.up)
+        result[:3, 0], result[3:, 1:] = self.up, along_plane(self.up)
         return result
 
 
@@ -94,7 +95,7 @@ def resting_faces(points: Floats) -> RestingFaces:
     return RestingFaces(normal[kept], (points @ normal[kept].T).max(axis=0))
 
 
-def _along(normal: Floats) -> Floats:
+def along_plane(normal: Floats) -> Floats:
     """(3, 2) two unit vectors along a plane of this unit normal (3,), at right angles."""
     first = np.cross(normal, np.eye(3)[np.abs(normal).argmin()])
     first /= np.linalg.norm(first)
@@ -119,7 +120,7 @@ def _support(vertices: Floats, normal: Floats, reach: float, middle: Floats, gra
 
     Of vertices (V, 3) about a face.
     """
-    axes = _along(normal)
+    axes = along_plane(normal)
     held: Any = ConvexHull(vertices[vertices @ normal > reach - grain / 2.0] @ axes)
     return -float((held.equations[:, :2] @ (middle @ axes) + held.equations[:, 2]).max()), float(held.volume)
 
@@ -190,29 +191,20 @@ class Bodies:
 
     def touches(self, upper: str, lower: str, reach: float) -> Iterator[Touch]:
         """Where the two are at most ``reach`` m apart; of facets, one a facet."""
-        above, below = self.shapes[upper], self.shapes[lower]
-        for i, part in enumerate(above.parts):
-            if below.facets is not None:
-                if _near(part, below.facets[0], reach):
-                    yield from self._between(self._convex(upper, i, part), self._facets(lower, below.facets), reach)
-                continue
-            for j, other in enumerate(below.parts):
-                if _near(part, other, reach):
-                    yield from self._between(self._convex(upper, i, part), self._convex(lower, j, other), reach)
+        below = self.shapes[lower]
+        others = enumerate(below.parts) if below.facets is None else [(-1, below.facets[0])]
+        for (i, part), (j, other) in product(enumerate(self.shapes[upper].parts), others):
+            if _near(part, other, reach):
+                one, two = self._load((upper, i), part), self._load((lower, j), other, below.facets)
+                for row in self.bullet.getClosestPoints(one, two, reach * self.scale, physicsClientId=self.number):
+                    at = np.array(row[6]) / self.scale + self.middle
+                    yield Touch(float(row[8]) / self.scale, np.array(row[7]), at)
 
-    def _between(self, one: int, other: int, reach: float) -> Iterator[Touch]:
-        for row in self.bullet.getClosestPoints(one, other, reach * self.scale, physicsClientId=self.number):
-            yield Touch(float(row[8]) / self.scale, np.array(row[7]), np.array(row[6]) / self.scale + self.middle)
-
-    def _convex(self, name: str, i: int, corners: Floats) -> int:
-        return self._load((name, i), corners, {})
-
-    def _facets(self, name: str, facets: tuple[Floats, Ints]) -> int:
-        flags = {"indices": facets[1].ravel().tolist(), "flags": self.bullet.GEOM_FORCE_CONCAVE_TRIMESH}
-        return self._load((name, -1), facets[0], flags)
-
-    def _load(self, key: tuple[str, int], corners: Floats, more: dict[str, Any]) -> int:
+    def _load(self, key: tuple[str, int], corners: Floats, facets: tuple[Floats, Ints] | None = None) -> int:
+        """The client's number of a convex body with these corners (V, 3) m, or of facets."""
         if key not in self.loaded:
+            flags = {"flags": self.bullet.GEOM_FORCE_CONCAVE_TRIMESH}
+            more = {} if facets is None else {"indices": facets[1].ravel().tolist(), **flags}
             placed = ((corners - self.middle) * self.scale).tolist()
             shape = self.bullet.createCollisionShape(
                 self.bullet.GEOM_MESH, vertices=placed, physicsClientId=self.number, **more

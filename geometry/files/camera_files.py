@@ -15,9 +15,7 @@ Each foreign description of a camera, as the contract's `camera` key, whose numb
 YAML of calibrations, read safely: plain data and OpenCV's matrices, no other tag, no duplicate key, no YAML bomb.
 """
 
-import json
 import re
-from collections import Counter
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
@@ -29,7 +27,7 @@ from ruamel.yaml.error import MarkedYAMLError, YAMLError
 
 from geometry.camera import Camera, camera_from_dict
 from geometry.errors import CameraError
-from geometry.files.plain_files import fault_of
+from geometry.files.plain_files import fault_of, json_of, parsed_json, text_of
 from geometry.frames import from_rotation_translation, inverse
 
 MAX_CHARS = 2**20  # a calibration is some hundreds
@@ -61,6 +59,7 @@ _COLMAP_MODELS = {  # COLMAP's parameters by our names; f is both focal lengths
 
 
 MAX_BYTES = 64 * 2**20  # a BOP scene of 10^5 images stays below
+HOLDS = "it should hold a camera"
 
 
 def read_camera(path: str | Path, frame: str | int | None = None, *, size: tuple[int, int] | None = None) -> Camera:
@@ -72,19 +71,17 @@ def read_camera(path: str | Path, frame: str | int | None = None, *, size: tuple
     Raises:
         CameraError: one line with the file, the key or the line, and what is wrong.
     """
-    place = Path(path)
-    text = _text(place)
+    text = text_of(path, MAX_BYTES, CameraError, "camera")
+    is_json = text.lstrip("\ufeff \t\r\n").startswith(("{", "["))
+    content = parsed_json(text, str(path), HOLDS, CameraError, single=True) if is_json else None
     try:
-        document = _document(place, text, frame, size)
-        return camera_from_dict(document)
+        return camera_from_dict(_from_json(Path(path), content, frame, size) if is_json else _told(text, frame, size))
     except CameraError as error:
         raise CameraError(error.message, path=path, line=error.line) from error
 
 
-def _document(path: Path, text: str, frame: str | int | None, size: tuple[int, int] | None) -> object:
-    """The contract's `camera` key for the file's `text`."""
-    if text.lstrip("\ufeff \t\r\n").startswith(("{", "[")):
-        return _from_json(path, _json(text), frame, size)
+def _told(text: str, frame: str | int | None, size: Size) -> object:
+    """The contract's `camera` key for COLMAP's or YAML's `text`."""
     if cameras := colmap_cameras(text):
         return _chosen(cameras, frame, "camera")
     content = read_yaml(text)
@@ -93,7 +90,7 @@ def _document(path: Path, text: str, frame: str | int | None, size: tuple[int, i
     return from_calibration(content, size)
 
 
-def _from_json(path: Path, content: object, frame: str | int | None, size: tuple[int, int] | None) -> object:
+def _from_json(path: Path, content: object, frame: str | int | None, size: Size) -> object:
     if not isinstance(content, Mapping):
         raise CameraError(f"must be a JSON object, not {type(content).__name__}")
     if "camera" in content:
@@ -123,48 +120,15 @@ def _chosen(entries: Mapping[str, Any], frame: str | int | None, kind: str) -> o
     raise CameraError(f"has no {kind} {frame}; it has {known}")
 
 
-def _bop_size(path: Path) -> tuple[int, int] | None:
+def _bop_size(path: Path) -> Size:
     """The size that a BOP dataset's `camera.json` states: scenes lie two folders below it."""
     for folder in list(path.resolve().parents)[:3]:
         beside = folder / "camera.json"
         if fault_of(beside) is None:
-            content = _json(_text(beside))
+            content = json_of(beside, MAX_BYTES, HOLDS, CameraError)
             if isinstance(content, Mapping) and {"width", "height"} <= set(content):
                 return content["width"], content["height"]
     return None
-
-
-def _text(path: Path) -> str:
-    try:
-        with path.open("rb") as stream:
-            raw = stream.read(MAX_BYTES + 1)
-    except OSError as error:
-        raise CameraError(f"cannot be read: {error.strerror or error}", path=path) from error
-    if len(raw) > MAX_BYTES:
-        raise CameraError(f"must be a camera of at most {MAX_BYTES} bytes", path=path)
-    try:
-        return raw.decode("utf-8-sig")
-    except UnicodeDecodeError as error:
-        raise CameraError(f"must be UTF-8 text: byte {error.start} is not", path=path) from error
-
-
-def _json(text: str) -> object:
-    try:
-        return json.loads(text, object_pairs_hook=_unique)
-    except json.JSONDecodeError as error:
-        raise CameraError(f"is not JSON: {error.msg} in column {error.colno}", line=error.lineno) from error
-    except ValueError as error:
-        raise CameraError(f"is not JSON: {error}") from error
-    except RecursionError as error:
-        raise CameraError("is nested too deeply for a camera") from error
-
-
-def _unique(pairs: list[tuple[str, object]]) -> dict[str, object]:
-    content = dict(pairs)
-    if len(content) < len(pairs):
-        times = Counter(name for name, _ in pairs)
-        raise CameraError(f"{next(name for name in times if times[name] > 1)}: is given twice")
-    return content
 
 
 def from_calibration(content: Mapping[Any, Any], size: Size) -> dict[str, Any]:

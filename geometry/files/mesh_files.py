@@ -10,18 +10,18 @@ import base64
 import binascii
 import json
 import struct
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 from urllib.parse import unquote
 
 import numpy as np
-from numpy.typing import NDArray
 
+from geometry.arrays import Floats, Ints
 from geometry.files.plain_files import fault_of, is_there
 
-Placed = list[tuple[Any, "NDArray[np.float64]"]]
+Placed = list[tuple[Any, Floats]]
 PICTURES = (".png", ".jpg", ".jpeg", ".bmp", ".webp", ".tif", ".tiff", ".tga", ".gif")
 
 
@@ -81,7 +81,7 @@ def reason(path: Path, error: Exception) -> str:
     return " ".join(str(error).split())[:200] or type(error).__name__
 
 
-def triangles_of(mesh: Any, file_from_mesh: NDArray[np.float64]) -> tuple[NDArray[np.float64], NDArray[np.int64]]:  # noqa: ANN401 - trimesh's
+def triangles_of(mesh: Any, file_from_mesh: Floats) -> tuple[Floats, Ints]:  # noqa: ANN401 - trimesh's
     """Vertices (V, 3) in the file's frame and triangles (T, 3), turned over where the placing mirrors."""
     vertices, triangles = np.array(mesh.vertices, dtype=np.float64), np.array(mesh.faces, dtype=np.int64).reshape(-1, 3)
     if not np.array_equal(file_from_mesh, np.eye(4)):
@@ -89,6 +89,13 @@ def triangles_of(mesh: Any, file_from_mesh: NDArray[np.float64]) -> tuple[NDArra
         if np.linalg.det(file_from_mesh[:3, :3]) < 0:
             triangles = triangles[:, ::-1].copy()
     return vertices, triangles
+
+
+def joined_meshes(parts: Sequence[tuple[Floats, Ints]]) -> tuple[Floats, Ints]:
+    """The vertices (V, 3) and triangles (T, 3) of several meshes as those of one."""
+    starts = np.cumsum([0] + [len(vertices) for vertices, _ in parts])
+    triangles = [corners + start for (_, corners), start in zip(parts, starts, strict=False)]
+    return np.concatenate([vertices for vertices, _ in parts]), np.concatenate(triangles)
 
 
 MAX_PICTURE_BYTES = 256 * 1024 * 1024

@@ -19,7 +19,7 @@ import numpy as np
 
 from geometry.arrays import Floats, frozen
 from geometry.errors import CameraError, GeometryError, told
-from geometry.files.plain_files import JsonError, fault_of, json_of
+from geometry.files.plain_files import json_of, must_be_plain, parsed_json, text_of
 from geometry.frames import from_rotation_translation, inverse, is_rigid, rotation_from_quat_xyzw
 
 MOVES = "moves/1"
@@ -48,23 +48,16 @@ def read_poses(path: Path | str) -> list[Placed]:
 
     Raises CameraError, a line a mistake.
     """
-    where = Path(path)
-    fault = fault_of(where, LARGEST)
-    if fault is not None:
-        raise CameraError(f"{path}: {fault}")
-    with where.open("rb") as file:
-        start = file.read(200).lstrip(b"\xef\xbb\xbf \t\r\n")
-    poses = _of_json(where) if start.startswith((b"{", b"[")) else _of_lines(where)
+    must_be_plain(path, CameraError, LARGEST)
+    text = text_of(path, LARGEST, CameraError)
+    poses = _of_json(text, path) if text.lstrip().startswith(("{", "[")) else _of_lines(text, path)
     if not poses:
         raise CameraError(f"{path}: holds no pose: {HOLDS}, or lines 'name tx ty tz qx qy qz qw'")
     return poses
 
 
-def _of_json(path: Path) -> list[Placed]:
-    try:
-        document = json_of(path, LARGEST, HOLDS)
-    except JsonError as error:
-        raise CameraError(str(error)) from None
+def _of_json(text: str, path: Path | str) -> list[Placed]:
+    document = parsed_json(text, str(path), HOLDS, CameraError)
     frames = document.get("frames") if isinstance(document, dict) and document.get("format") == "poses/1" else None
     if not isinstance(frames, list):
         raise CameraError(f"{path}: {HOLDS}")
@@ -77,11 +70,7 @@ def _entry(where: str, frame: Any) -> Placed | str:  # noqa: ANN401 - parsed JSO
     name = frame.get("frame")
     if name is not None and not isinstance(name, str):
         return f"{where}.frame: must be a file's name or null, not {name!r:.60}"
-    try:
-        pose = np.array(frame["T_world_camera"], np.float64)
-    except (TypeError, ValueError):
-        pose = np.zeros(0)
-    nearest = nearest_rigid(pose)
+    nearest = nearest_rigid(frame["T_world_camera"])
     return (
         f"{where}.T_world_camera: must be a rigid 4x4 matrix (row-major, metres)"
         if nearest is None
@@ -89,8 +78,12 @@ def _entry(where: str, frame: Any) -> Placed | str:  # noqa: ANN401 - parsed JSO
     )
 
 
-def nearest_rigid(pose: Floats) -> Floats | None:
-    """The rigid pose that a matrix is but for rounding; None where it is none."""
+def nearest_rigid(value: object) -> Floats | None:
+    """The rigid pose (4, 4) that rows of numbers are but for rounding; None where they are none."""
+    try:
+        pose = np.array(value, np.float64)
+    except (TypeError, ValueError):
+        return None
     if pose.shape != (4, 4) or not np.isfinite(pose).all() or not is_rigid(pose, ROUNDED):
         return None
     if is_rigid(pose, EXACT):
@@ -99,11 +92,7 @@ def nearest_rigid(pose: Floats) -> Floats | None:
     return frozen(from_rotation_translation(u @ v, pose[:3, 3]))
 
 
-def _of_lines(path: Path) -> list[Placed]:
-    try:
-        text = path.read_text(encoding="utf-8-sig")
-    except UnicodeDecodeError as error:
-        raise CameraError(f"{path}: is no text: byte {error.start} is no UTF-8") from None
+def _of_lines(text: str, path: Path | str) -> list[Placed]:
     lines = [(i, line.split("#")[0].split()) for i, line in enumerate(text.splitlines(), 1)]
     return _sound([_line(f"{path}:{i}", words) for i, words in lines if words])
 
@@ -155,10 +144,7 @@ class Move(NamedTuple):
 
 def read_moves(path: Path) -> list[Move]:
     """The moves of a file, in its order. Raises GeometryError that names the file, the key and what would be right."""
-    try:
-        document = json_of(path, LARGEST, "it should hold moves")
-    except JsonError as error:
-        raise GeometryError(str(error)) from None
+    document = json_of(path, LARGEST, "it should hold moves", GeometryError)
     kind = document.get("format") if isinstance(document, dict) else None
     if kind == "poses/1":
         return [Move(p.frame or f"move {i}", None, p.world_from_camera) for i, p in enumerate(read_poses(path), 1)]
@@ -174,11 +160,7 @@ def _move(row: Any, place: str, number: int) -> Move:  # noqa: ANN401 - parsed J
     keys = [key for key in (PRESENT, WORLD) if isinstance(row, dict) and row.get(key) is not None]
     if len(keys) != 1:
         raise GeometryError(f"{place}: should be an object with one of {PRESENT} and {WORLD}")
-    try:
-        pose = np.array(row[keys[0]], dtype=float)
-    except (TypeError, ValueError):
-        pose = np.zeros(0)
-    rigid = nearest_rigid(pose)
+    rigid = nearest_rigid(row[keys[0]])
     if rigid is None:
         raise GeometryError(f"{place}.{keys[0]}: must be a rigid 4x4 matrix (row-major, metres)")
     name = str(row.get("name", f"move {number + 1}"))

@@ -23,6 +23,7 @@ from geometry.arrays import Floats, Mask, last_axes
 from geometry.errors import GeometryError
 from geometry.frames import from_rotation_translation
 
+FEWEST = 4  # points of a set
 THIN = 0.02  # second over greatest singular value below which it counts as collinear
 
 
@@ -59,9 +60,7 @@ def posit(
     Raises:
         GeometryError: where the shapes do not fit.
     """
-    objects, seen = checked_sets(points, xy, fewest=4)
-    finite: Mask = np.asarray(np.isfinite(objects).all(axis=(1, 2)) & np.isfinite(seen).all(axis=(1, 2)))
-    objects, seen = np.where(finite[:, None, None], objects, 0.0), np.where(finite[:, None, None], seen, 0.0)
+    objects, seen, finite = checked_sets(points, xy)
     arms = objects - objects[:, :1]
     solver, least = _pseudo_inverse(arms)
     rotation, depth, skew, settled = _iterate(arms, seen, solver, iterations)
@@ -72,13 +71,18 @@ def posit(
     return PositResult(poses, finite & settled & steady & (skew < SKEW) & np.isfinite(residual), condition, residual)
 
 
-def checked_sets(points: ArrayLike, xy: ArrayLike, fewest: int) -> tuple[Floats, Floats]:
-    """`points` (B, N, 3) and `xy` (B, N, 2) as doubles, B and N equal, N at least `fewest`."""
+def checked_sets(points: ArrayLike, xy: ArrayLike) -> tuple[Floats, Floats, Mask]:
+    """`points` (B, N >= 4, 3), `xy` (B, N, 2), and which sets are finite (B,); those that are not become 0.
+
+    Raises:
+        GeometryError: where the shapes do not fit.
+    """
     objects, seen = last_axes(points, (-1, 3), "points"), last_axes(xy, (-1, 2), "xy")
-    if objects.ndim != 3 or objects.shape[:2] != seen.shape[:2] or objects.shape[1] < fewest:
-        rule = f"points (B, N, 3) and xy (B, N, 2) must agree in B and in N >= {fewest}"
+    if objects.ndim != 3 or objects.shape[:2] != seen.shape[:2] or objects.shape[1] < FEWEST:
+        rule = f"points (B, N, 3) and xy (B, N, 2) must agree in B and in N >= {FEWEST}"
         raise GeometryError(f"{rule}, not {objects.shape} and {seen.shape}")
-    return objects, seen
+    finite: Mask = np.asarray(np.isfinite(objects).all(axis=(1, 2)) & np.isfinite(seen).all(axis=(1, 2)))
+    return np.where(finite[:, None, None], objects, 0.0), np.where(finite[:, None, None], seen, 0.0), finite
 
 
 def pose_of(rotation: Floats, depth: Floats, reference: Floats, seen: Floats) -> Floats:
@@ -147,9 +151,7 @@ def posit_planar(points: ArrayLike, xy: ArrayLike, *, iterations: int = 40) -> t
     Raises:
         GeometryError: where the shapes do not fit.
     """
-    objects, seen = checked_sets(points, xy, fewest=4)
-    finite: Mask = np.asarray(np.isfinite(objects).all(axis=(1, 2)) & np.isfinite(seen).all(axis=(1, 2)))
-    objects, seen = np.where(finite[:, None, None], objects, 0.0), np.where(finite[:, None, None], seen, 0.0)
+    objects, seen, finite = checked_sets(points, xy)
     arms = objects - objects[:, :1]
     solver, normal, flat = _plane(arms)
     poses = np.stack([_branch(objects, arms, seen, solver, normal, sign, iterations) for sign in (1.0, -1.0)], axis=1)

@@ -4,7 +4,6 @@
   ``rms`` px
 """
 
-from collections.abc import Iterable
 from dataclasses import dataclass
 
 import numpy as np
@@ -13,7 +12,7 @@ from scipy.optimize import least_squares
 from scipy.spatial.transform import Rotation
 
 from geometry.arrays import Floats, last_axes
-from geometry.camera import NEAREST, Camera
+from geometry.camera import NEAREST, Camera, centred_camera
 from geometry.errors import GeometryError
 from geometry.frames import from_rotation_translation, transform_points
 from geometry.poses.refine import refine_poses
@@ -83,12 +82,6 @@ def register(points: ArrayLike, uv: ArrayLike, size: tuple[int, int], camera: Ca
     return _registration(objects, seen, centred_camera(size, f), pose, error)
 
 
-def centred_camera(size: tuple[int, int], f: float) -> Camera:
-    """A camera without distortion, fx = fy = `f` px, its centre at the middle of an image of `size` (width, height)."""
-    width, height = size
-    return Camera(width, height, np.array([[f, 0, (width - 1) / 2], [0, f, (height - 1) / 2], [0, 0, 1.0]]))
-
-
 def suspect(points: ArrayLike, uv: ArrayLike, size: tuple[int, int], camera: Camera | None = None) -> int:
     """The index of the point that fits worst: without it the others fit best.
 
@@ -99,11 +92,8 @@ def suspect(points: ArrayLike, uv: ArrayLike, size: tuple[int, int], camera: Cam
     if len(objects) <= (LEAST_POINTS_UNCALIBRATED if camera is None else LEAST_POINTS_CALIBRATED):
         return int(np.argmax(whole.residuals))
     f_known = whole.camera  # close enough to tell which point is off, and safe with a point less
-    return int(np.argmin([_posed(objects[rest], seen[rest], f_known)[1] for rest in _without_each(len(objects))]))
-
-
-def _without_each(count: int) -> Iterable[Floats]:
-    return (np.arange(count) != i for i in range(count))
+    rests = [np.arange(len(objects)) != i for i in range(len(objects))]
+    return int(np.argmin([_posed(objects[rest], seen[rest], f_known)[1] for rest in rests]))
 
 
 def _checked(points: ArrayLike, uv: ArrayLike, fewest: int) -> tuple[Floats, Floats]:

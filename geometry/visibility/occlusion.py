@@ -35,7 +35,7 @@ of order between facets that are seen. The grid settles most of what is mutual w
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from functools import cached_property
-from typing import NamedTuple, Protocol
+from typing import NamedTuple
 
 import numpy as np
 import shapely
@@ -202,18 +202,13 @@ def _tangential(inner: Area, outer: Area, tolerance: float) -> bool:
 
 def _covers(a: Area, b: Area, tolerance: float) -> bool:
     """Whether no point of ``b`` is farther than ``tolerance`` px from ``a``; cheap answers first."""
-    if _sticks_out(a.bounds, b.bounds, tolerance):
+    (left_a, top_a, right_a, bottom_a), (left_b, top_b, right_b, bottom_b) = a.bounds, b.bounds
+    if max(left_a - left_b, top_a - top_b, right_b - right_a, bottom_b - bottom_a) > tolerance:
         return False
     if a.covers(b):
         return True
     corners = shapely.points(shapely.get_coordinates(b))
     return bool(shapely.dwithin(corners, a, tolerance).all() and a.buffer(tolerance, quad_segs=_QUARTER).covers(b))
-
-
-def _sticks_out(outer: tuple[float, ...], inner: tuple[float, ...], tolerance: float) -> bool:
-    """Whether the box ``inner`` sticks out of the box ``outer`` by more than ``tolerance``."""
-    low = max(outer[0] - inner[0], outer[1] - inner[1])
-    return max(low, inner[2] - outer[2], inner[3] - outer[3]) > tolerance
 
 
 def _boxes_gap(a: Area, b: Area) -> float:
@@ -246,30 +241,14 @@ _THIN = 0.02  # px; a crossing narrower than twice this is left out: along an ed
 _INWARD = 0.02  # how far a corner's point is drawn towards the crossing's middle, as a part of the way
 
 
-class Placed(Protocol):
-    """What is sampled: a surface with its pose, as `geometry.visibility.occlusion.PosedSurface`."""
-
-    @property
-    def vertices(self) -> Floats:
-        """(V, 3) m."""
-
-    @property
-    def triangles(self) -> Ints:
-        """(T, 3)."""
-
-    @property
-    def camera_from_object(self) -> Floats:
-        """(4, 4)."""
-
-
-def samples_inside(common: Area, pair: tuple[Placed, Placed], camera: Camera) -> Iterator[Floats]:
+def samples_inside(common: Area, pair: tuple[PosedSurface, PosedSurface], camera: Camera) -> Iterator[Floats]:
     """Ideal pixels (N, 2) inside the `common` interior of the two images: first the even ones, then the sure ones, which cost more.
 
     At least one for an interior not empty.
     """
     shapely.prepare(common)
     yield np.concatenate(
-        [shapely.get_coordinates(shapely.point_on_surface(shapely.get_parts(common))), _inside(common, _grid(common))]
+        [shapely.get_coordinates(shapely.point_on_surface(shapely.get_parts(common))), even_grid(common, GRID)]
     )
     yield _inside(common, _corners(_crossings(common, pair, camera)))
 
@@ -280,17 +259,13 @@ def _inside(area: Area, points: Floats) -> Floats:
 
 def even_grid(area: Area, count: int) -> Floats:
     """About `count` pixels (N, 2) spread evenly over the box of `area`'s bounds and lying inside `area`."""
-    return _inside(area, _grid(area, count))
-
-
-def _grid(area: Area, count: int = GRID) -> Floats:
     left, top, right, bottom = area.bounds
     step = max(np.sqrt(max(area.area, 1e-12) / count), (right - left) / count, (bottom - top) / count, 1e-9)
     across, down = (np.arange(low + step / 2, high, step) for low, high in ((left, right), (top, bottom)))
-    return np.stack(np.meshgrid(across, down), axis=-1).reshape(-1, 2)
+    return _inside(area, np.stack(np.meshgrid(across, down), axis=-1).reshape(-1, 2))
 
 
-def _crossings(common: Area, pair: tuple[Placed, Placed], camera: Camera) -> Area:
+def _crossings(common: Area, pair: tuple[PosedSurface, PosedSurface], camera: Camera) -> Area:
     """The crossings (K,) of the images of facets of the one with facets of the other, within the bounds of `common`."""
     first, second = (_facets(surface, common, camera) for surface in pair)
     left, right = shapely.STRtree(second).query(first, predicate="intersects")
@@ -298,22 +273,21 @@ def _crossings(common: Area, pair: tuple[Placed, Placed], camera: Camera) -> Are
     return shapely.intersection(first[left[::every]], second[right[::every]])
 
 
-def _facets(surface: Placed, common: Area, camera: Camera) -> Area:
+def _facets(surface: PosedSurface, common: Area, camera: Camera) -> Area:
     """Images (K,) of the facets that may be seen in the bounds of `common`; none that crosses the near plane."""
     placed = transform_points(surface.camera_from_object, surface.vertices)
     corners = placed[surface.triangles]
     corners = corners[(corners[..., 2] >= NEAR).all(axis=1)]
     if is_closed(surface.triangles):  # of a closed, outward surface only what turns towards the camera is seen
-        corners = corners[np.einsum("ti,ti->t", np.cross(*_sides(corners)), corners[:, 0]) < 0]
+        corners = corners[
+            np.einsum("ti,ti->t", np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]), corners[:, 0])
+            < 0
+        ]
     pixels = camera.to_pixels(corners[..., :2] / corners[..., 2:])
     left, top, right, bottom = common.bounds
     low, high = pixels.min(axis=1), pixels.max(axis=1)
     near = (low[:, 0] <= right) & (high[:, 0] >= left) & (low[:, 1] <= bottom) & (high[:, 1] >= top)
     return shapely.polygons(pixels[near])
-
-
-def _sides(corners: Floats) -> tuple[Floats, Floats]:
-    return corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]
 
 
 def _corners(areas: Area) -> Floats:

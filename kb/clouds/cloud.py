@@ -82,8 +82,20 @@ class ObjectType:
 
     @cached_property
     def part_bodies(self) -> dict[str, Surface]:
-        """What of the surface belongs to which part that is an object, by the part's path in the tree."""
-        return part_bodies(self)
+        """The bodies, object frame, of the parts that are objects, by node, in the tree's order.
+
+        The maximal object is not among them.
+        """
+        parts = [node for node in object_nodes(self.tree) if node]
+        features = self.seen_features
+        if self.surface is None or not parts or not features:
+            return {}
+        middles = self.surface.vertices[self.surface.triangles].mean(axis=1)
+        nearest = _nearest(middles, np.array([feature.at for feature in features]))
+        owner = [_owner(self.tree, feature.name) for feature in features]
+        owners = [owner[f] for f in nearest]
+        bodies = {part: np.flatnonzero([own == part or own.startswith(f"{part}/") for own in owners]) for part in parts}
+        return {part: _body(self.surface, facets) for part, facets in bodies.items() if len(facets)}
 
     @cached_property
     def lobes(self) -> LobeTable:
@@ -206,23 +218,6 @@ def word_clutter(types: Sequence[ObjectType], words: Sequence[str]) -> dict[str,
     seen.update(feature.type for kind in types if kind.learned is not None for feature in kind.seen_features)
     total = sum(seen.values())
     return {name: KEYPOINTS * seen[name] / total for name in words}
-
-
-def part_bodies(kind: ObjectType) -> dict[str, Surface]:
-    """The bodies, object frame, of the parts that are objects, by node, in the tree's order.
-
-    The maximal object is not among them.
-    """
-    parts = [node for node in object_nodes(kind.tree) if node]
-    features = kind.seen_features
-    if kind.surface is None or not parts or not features:
-        return {}
-    middles = kind.surface.vertices[kind.surface.triangles].mean(axis=1)
-    nearest = _nearest(middles, np.array([feature.at for feature in features]))
-    owner = [_owner(kind.tree, feature.name) for feature in features]
-    owners = np.array([owner[f] for f in nearest])
-    bodies = {part: np.flatnonzero([name == part or name.startswith(f"{part}/") for name in owners]) for part in parts}
-    return {part: _body(kind.surface, facets) for part, facets in bodies.items() if len(facets)}
 
 
 def _nearest(points: NDArray[np.float64], places: NDArray[np.float64]) -> NDArray[np.intp]:

@@ -16,6 +16,7 @@ import networkx as nx
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from geometry.arrays import frozen
 from geometry.frames import compose, from_rotation_translation, is_rigid
 from kb.errors import TreeError
 
@@ -26,9 +27,7 @@ GRAIN = 1e-9
 def freeze(holder: object, **shapes: tuple[int, ...]) -> None:
     """Turn the named fields into read-only float arrays of the given shapes."""
     for name, shape in shapes.items():
-        array = np.array(getattr(holder, name), dtype=float).reshape(shape)
-        array.setflags(write=False)
-        object.__setattr__(holder, name, array)
+        object.__setattr__(holder, name, frozen(getattr(holder, name)).reshape(shape))
 
 
 @dataclass(frozen=True, eq=False)
@@ -105,22 +104,16 @@ def lobe_table(features: Sequence[Feature]) -> LobeTable:
     lobes = [appearance.lobe for _, _, appearance in rows]
     axis = [feature.rotation @ appearance.lobe.axis for _, feature, appearance in rows]
     return LobeTable(
-        feature=_frozen([f for f, _, _ in rows]).astype(np.intp),
+        feature=frozen([f for f, _, _ in rows]).astype(np.intp),
         types=tuple(appearance.type for _, _, appearance in rows),
-        at=_frozen([feature.at for _, feature, _ in rows]).reshape(-1, 3),
-        axis=_frozen(axis).reshape(-1, 3),
-        cos_half=_frozen([np.cos(lobe.half_angle) for lobe in lobes]),
-        r_min=_frozen([lobe.r_min for lobe in lobes]),
-        r_max=_frozen([lobe.r_max for lobe in lobes]),
+        at=frozen([feature.at for _, feature, _ in rows]).reshape(-1, 3),
+        axis=frozen(axis).reshape(-1, 3),
+        cos_half=frozen([np.cos(lobe.half_angle) for lobe in lobes]),
+        r_min=frozen([lobe.r_min for lobe in lobes]),
+        r_max=frozen([lobe.r_max for lobe in lobes]),
         features=len(features),
-        size=_frozen([lobe.size for lobe in lobes]),
+        size=frozen([lobe.size for lobe in lobes]),
     )
-
-
-def _frozen(values: ArrayLike) -> NDArray[np.float64]:
-    array: NDArray[np.float64] = np.array(values, dtype=np.float64)
-    array.setflags(write=False)
-    return array
 
 
 def in_lobe(table: LobeTable, viewpoints: ArrayLike, granularity: float | None = None) -> NDArray[np.bool_]:
@@ -191,8 +184,10 @@ def _mistakes(branch: Branch, where: tuple[int, ...], above: tuple[Branch, ...])
         return
     for message in _own_mistakes(branch):
         yield where, message
-    for index in _repeated(branch):
-        yield (*where, index), f"{branch.parts[index].name!r} is the name of another part of {branch.name!r}"
+    first: dict[str, int] = {}
+    for index, part in enumerate(branch.parts):
+        if first.setdefault(part.name, index) != index and part.kind != "appearance":
+            yield (*where, index), f"{part.name!r} is the name of another part of {branch.name!r}"
     for index, part in enumerate(branch.parts):
         yield from _mistakes(part, (*where, index), (*above, branch))
 
@@ -211,13 +206,6 @@ def _own_mistakes(branch: Branch) -> Iterator[str]:
     at, rotation = np.asarray(branch.at, dtype=float), np.asarray(branch.rotation, dtype=float)
     if at.shape != (3,) or rotation.shape != (3, 3) or not is_rigid(from_rotation_translation(rotation, at)):
         yield f"A2: {branch.name!r} must stand at 3 finite coordinates, turned by a rotation"
-
-
-def _repeated(branch: Branch) -> list[int]:
-    first: dict[str, int] = {}
-    return [
-        i for i, part in enumerate(branch.parts) if first.setdefault(part.name, i) != i and part.kind != "appearance"
-    ]
 
 
 def build_tree(root: Branch) -> nx.DiGraph:

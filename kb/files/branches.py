@@ -4,7 +4,6 @@ Any document has an outline, so that mistakes are sought in one that does not fi
 wrong is told in our words and at its place.
 """
 
-import math
 from collections.abc import Iterator, Mapping, Sequence
 from typing import Any, TypeVar
 
@@ -13,7 +12,7 @@ from numpy.typing import NDArray
 from pydantic import BaseModel, ValidationError
 from pydantic_core import ErrorDetails
 
-from geometry.frames import rotation_from_quat_xyzw
+from geometry.frames import rotation_from_quat_xyzw, turn_about
 from kb.clouds.lobes import Branch, Kind, Lobe
 from kb.errors import Mistake
 from kb.files.folder import Document, Keys
@@ -57,14 +56,8 @@ def rotation_matrix(model: RotationModel | None) -> NDArray[np.float64]:
         return np.eye(3)
     if model.quat_xyzw is not None:
         return np.asarray(rotation_from_quat_xyzw(model.quat_xyzw))
-    turns = [_about(axis, angle) for axis, angle in enumerate(model.euler_xyz or ())]
-    return np.asarray(turns[2] @ turns[1] @ turns[0])
-
-
-def _about(axis: int, angle: float) -> NDArray[np.float64]:
-    quat = [0.0, 0.0, 0.0, math.cos(angle / 2)]
-    quat[axis] = math.sin(angle / 2)
-    return np.asarray(rotation_from_quat_xyzw(quat))
+    x, y, z = map(turn_about, np.eye(3), model.euler_xyz or ())
+    return np.asarray(z @ y @ x)
 
 
 def held(raw: object) -> Iterator[tuple[Keys, Kind, Any]]:
@@ -183,6 +176,10 @@ def _message(kind: str, path: Keys, detail: ErrorDetails) -> str:
     return WORDS.get(kind) or f"{detail['msg'][:1].lower()}{detail['msg'][1:]}"
 
 
+Tables = dict[tuple[str, ...], Mapping[str, object]]
+"""Numbers by the name of a type, by the keys that lead to them."""
+
+
 def cross_mistakes(
     kb: Document, model: KBModel | None, objects: Sequence[Document], *, complete: bool
 ) -> Iterator[Mistake]:
@@ -192,41 +189,34 @@ def cross_mistakes(
     unknown.
     """
     yield from _repeated_objects(objects)
-    vocabulary = _vocabulary(kb)
-    if vocabulary is not None:
+    vocabulary = kb.data.get("appearance_types") if isinstance(kb.data, dict) else None
+    if isinstance(vocabulary, list):
         known = {name for name in vocabulary if isinstance(name, str)}
         for document in objects:
             yield from _unknown_appearances(document, vocabulary, known)
-    if model is not None:
-        yield from _unknown(
-            kb, ("detector", "clutter"), model.detector.clutter, set(model.appearance_types), "appearance"
-        )
-        yield from _unknown(kb, ("counts", "clutter"), model.counts.clutter, set(model.appearance_types), "appearance")
-        yield from _repeated_types(kb, model)
-    if model is not None and complete:
-        features = {name for document in objects for name in _types(document, "feature")}
-        yield from _unknown(kb, ("detector", "hit"), model.detector.hit, features, "feature")
-        yield from _unknown(kb, ("detector", "sigmas"), model.detector.sigmas, features, "feature")
-        yield from _unknown(kb, ("counts", "hit"), model.counts.hit, features, "feature")
-        names = {name for document in objects if isinstance(name := _name(document), str)}
-        yield from _unknown(kb, ("priors",), model.priors, names, "object")
-        yield from _unknown(kb, ("counts", "prior"), model.counts.prior, names, "object")
-
-
-def _name(document: Document) -> object:
-    return document.data.get("object")
-
-
-def _vocabulary(kb: Document) -> list[Any] | None:
-    """The appearance types, if they can be made out, whatever else is wrong."""
-    types = kb.data.get("appearance_types") if isinstance(kb.data, dict) else None
-    return types if isinstance(types, list) else None
-
-
-def _types(document: Document, kind: str) -> Iterator[str]:
-    for _, sort, entry in nodes(document.data):
-        if sort == kind and isinstance(entry, dict) and isinstance(entry.get("type"), str):
-            yield entry["type"]
+    if model is None:
+        return
+    yield from _repeated_types(kb, model)
+    detector, counts = model.detector, model.counts
+    clutter: Tables = {("detector", "clutter"): detector.clutter, ("counts", "clutter"): counts.clutter}
+    listed = [("appearance", set(model.appearance_types), clutter)]
+    if complete:
+        features = {
+            entry["type"]
+            for document in objects
+            for _, sort, entry in nodes(document.data)
+            if sort == "feature" and isinstance(entry, dict) and isinstance(entry.get("type"), str)
+        }
+        hit: Tables = {("detector", "hit"): detector.hit, ("detector", "sigmas"): detector.sigmas}
+        names = {name for document in objects if isinstance(name := document.data.get("object"), str)}
+        priors: Tables = {("priors",): model.priors, ("counts", "prior"): counts.prior}
+        listed += [("feature", features, {**hit, ("counts", "hit"): counts.hit}), ("object", names, priors)]
+    for what, known, tables in listed:
+        told = ", ".join(sorted(map(str, known))[:12]) or "none"
+        for path, given in tables.items():
+            for name in given:
+                if name not in known:
+                    yield kb.mistake((*path, name), f"unknown {what} type {name!r}; known: {told}", key=True)
 
 
 def _unknown_appearances(document: Document, vocabulary: list[Any], known: set[str]) -> Iterator[Mistake]:
@@ -237,15 +227,6 @@ def _unknown_appearances(document: Document, vocabulary: list[Any], known: set[s
             yield document.mistake(
                 (*path, "type"), f"unknown appearance type {name!r}; appearance_types in kb.yaml: {listed}"
             )
-
-
-def _unknown(
-    kb: Document, path: tuple[str, ...], given: Mapping[str, object], known: set[Any], what: str
-) -> Iterator[Mistake]:
-    listed = ", ".join(sorted(map(str, known))[:12]) or "none"
-    for name in given:
-        if name not in known:
-            yield kb.mistake((*path, name), f"unknown {what} type {name!r}; known: {listed}", key=True)
 
 
 def _repeated_types(kb: Document, model: KBModel) -> Iterator[Mistake]:
@@ -259,6 +240,6 @@ def _repeated_types(kb: Document, model: KBModel) -> Iterator[Mistake]:
 def _repeated_objects(objects: Sequence[Document]) -> Iterator[Mistake]:
     first: dict[str, str] = {}
     for document in objects:
-        name = _name(document)
+        name = document.data.get("object")
         if isinstance(name, str) and first.setdefault(name, document.file) != document.file:
             yield document.mistake(("object",), f"{name!r} is also the object of {first[name]}")

@@ -3,7 +3,7 @@
 A learned cloud becomes features of its type.
 """
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TypeVar
@@ -18,7 +18,7 @@ from kb.clouds.words import MAX_BYTES as MAX_WORDS
 from kb.clouds.words import Words, dominant, read_words
 from kb.errors import CloudError, KBErrors, Mistake, SurfaceError
 from kb.files.branches import branch_of, checked, cross_mistakes, misplaced, nodes, outline, path_to, without
-from kb.files.folder import MAX_MESH_BYTES, Document, Folder
+from kb.files.folder import MAX_MESH_BYTES, Document, Folder, Keys
 from kb.files.schema import CountsModel, KBModel, ObjectModel
 from kb.files.values import LENGTHS
 from kb.surfaces.surface import Surface, surface_from_mesh
@@ -44,48 +44,45 @@ def learned_of(place: Folder, document: Document, folder: Path) -> LearnedCloud 
 def _read(
     place: Folder, document: Document, folder: Path, key: str, limit: int, read: Callable[[bytes], Kind]
 ) -> Kind | None:
-    entry = document.data.get(key) if isinstance(document.data, dict) else None
-    file = entry.get("file") if isinstance(entry, dict) else None
-    if not isinstance(file, str) or not file or "\0" in file:
-        return None
-    fault = place.fault(folder / file, limit)
-    if fault is not None:
-        place.mistakes.append(document.mistake((key, "file"), f"the file {file!r:.100} {fault}"))
-        return None
-    content = place.content(folder / file, limit)
+    path = _named(place, document, folder, (key, "file"), "file", limit)
+    content = None if path is None else place.content(path, limit)
     try:
         return None if content is None else read(content)
     except CloudError as error:
+        file = document.data[key]["file"]
         place.mistakes.append(document.mistake((key, "file"), f"{file!r:.100} {error}"))
         return None
 
 
-def check_words(place: Folder, document: Document, cloud: LearnedCloud | None, words: Words | None) -> None:
-    """A learned cloud needs the vocabulary that it was learned with."""
+def _named(place: Folder, document: Document, folder: Path, keys: Keys, what: str, limit: int) -> Path | None:
+    """A file that a document names, if it may be read, sought even where the document has other mistakes."""
+    value = document.data
+    for key in keys:
+        value = value.get(key) if isinstance(value, dict) else None
+    if not isinstance(value, str) or not value or "\0" in value:
+        return None
+    fault = place.fault(folder / value, limit)
+    if fault is not None:
+        place.mistakes.append(document.mistake(keys, f"the {what} {value!r:.100} {fault}"))
+        return None
+    return folder / value
+
+
+def check_learned(place: Folder, document: Document, cloud: LearnedCloud | None, words: Words | None) -> None:
+    """A learned cloud needs the words that it was learned with, and names no part that the type does not have."""
     if cloud is None:
         return
+    wrong = []
     if words is None:
-        place.mistakes.append(
-            document.mistake(
-                ("cloud",), "the knowledge base has no words (kb.yaml: words): learn the type again", key=True
-            )
-        )
-    elif words.detector != cloud.detector or max(cloud.word.max(initial=-1), cloud.lobe_word.max(initial=-1)) >= len(
-        words.centroids
+        wrong.append("the knowledge base has no words (kb.yaml: words): learn the type again")
+    elif words.detector != cloud.detector or len(words.centroids) <= max(
+        cloud.word.max(initial=-1), cloud.lobe_word.max(initial=-1)
     ):
-        place.mistakes.append(
-            document.mistake(
-                ("cloud",), "was learned with other words than kb.yaml names: learn the type again", key=True
-            )
-        )
-
-
-def check_parts(place: Folder, document: Document, cloud: LearnedCloud | None) -> None:
-    """A learned cloud names no part that the type does not have."""
+        wrong.append("was learned with other words than kb.yaml names: learn the type again")
     objects = sum(1 for _, kind, _ in nodes(document.data) if kind == "object")
-    if cloud is not None and cloud.part.max(initial=0) >= objects:
-        what = f"knows {cloud.part.max()} parts, where there are {objects - 1}: learn the type again"
-        place.mistakes.append(document.mistake(("cloud",), what, key=True))
+    if cloud.part.max(initial=0) >= objects:
+        wrong.append(f"knows {cloud.part.max()} parts, where there are {objects - 1}: learn the type again")
+    place.mistakes += [document.mistake(("cloud",), why, key=True) for why in wrong]
 
 
 def learned_features(cloud: LearnedCloud, words: Words, parts: Sequence[str] = ("",)) -> tuple[Feature, ...]:
@@ -184,8 +181,7 @@ def read_kb(folder: Path | str) -> KnowledgeBase:
     objects = [item for path in files if (item := _object(place, path)) is not None]
     rules, words = _rules(place), words_of(place, document)
     for item in objects:
-        check_words(place, item.document, item.learned, words)
-        check_parts(place, item.document, item.learned)
+        check_learned(place, item.document, item.learned, words)
     wrong += cross_mistakes(
         document, model, [item.document for item in objects], complete=complete and len(objects) == len(files)
     )
@@ -233,34 +229,24 @@ def _object(place: Folder, path: Path) -> _Object | None:
     place.mistakes.extend(without(wrong, misplaced(document.data)))
     if not isinstance(document.data, dict):
         return None
-    place.mistakes.extend(_tree_mistakes(document))
-    place.mistakes.extend(_symmetry_mistakes(document, model) if model is not None else ())
+    wrong = [
+        document.mistake(path_to(document.data, where), why) for where, why in tree_mistakes(outline(document.data))
+    ]
+    try:
+        motions(model.symmetries if model is not None else ())
+    except ValueError as error:
+        wrong.append(document.mistake(("symmetries",), str(error)))
+    place.mistakes += wrong
     mesh = document.data.get("mesh")
-    mesh = mesh if isinstance(mesh, dict) else {}
-    units = mesh.get("units")
+    units = mesh.get("units") if isinstance(mesh, dict) else None
     scale = LENGTHS.get(units, 1.0) if isinstance(units, str) else 1.0
-    mesh_file, surface = _surface(place, document, path.parent, mesh.get("file"), scale)
-    rendered = _textured(place, document, path.parent, mesh.get("textured")) or mesh_file
+    mesh_file, surface = _surface(place, document, path.parent, scale)
+    rendered = _textured(place, document, path.parent) or mesh_file
     return _Object(document, model, surface, rendered, scale, learned_of(place, document, path.parent))
 
 
-def _tree_mistakes(document: Document) -> Iterator[Mistake]:
-    for where, message in tree_mistakes(outline(document.data)):
-        yield document.mistake(path_to(document.data, where), message)
-
-
-def _symmetry_mistakes(document: Document, model: ObjectModel) -> Iterator[Mistake]:
-    try:
-        motions(model.symmetries)
-    except ValueError as error:
-        yield document.mistake(("symmetries",), str(error))
-
-
-def _surface(
-    place: Folder, document: Document, folder: Path, file: object, scale: float
-) -> tuple[Path | None, Surface | None]:
-    """The mesh of a document, sought even where the document has other mistakes."""
-    path = _mesh_file(place, document, folder, file, "file")
+def _surface(place: Folder, document: Document, folder: Path, scale: float) -> tuple[Path | None, Surface | None]:
+    path = _named(place, document, folder, ("mesh", "file"), "mesh", MAX_MESH_BYTES)
     if path is not None and place.content(path, MAX_MESH_BYTES) is not None:
         try:
             return path, surface_from_mesh(path, scale)
@@ -269,26 +255,13 @@ def _surface(
     return None, None
 
 
-def _textured(place: Folder, document: Document, folder: Path, file: object) -> Path | None:
+def _textured(place: Folder, document: Document, folder: Path) -> Path | None:
     """The mesh that is rendered; it, its material and its pictures are among what the digest is over."""
-    path = _mesh_file(place, document, folder, file, "textured")
-    if path is None:
-        return None
-    for beside in sorted(path.parent.iterdir()):
+    path = _named(place, document, folder, ("mesh", "textured"), "mesh", MAX_MESH_BYTES)
+    for beside in sorted(path.parent.iterdir()) if path is not None else ():
         if beside == path or (beside.suffix.lower() in PAINT and beside.is_file()):
             place.content(beside, MAX_MESH_BYTES)
     return path
-
-
-def _mesh_file(place: Folder, document: Document, folder: Path, file: object, key: str) -> Path | None:
-    """A file that a document names, if it may be read."""
-    if not isinstance(file, str) or not file or "\0" in file:
-        return None
-    fault = place.fault(folder / file, MAX_MESH_BYTES)
-    if fault is not None:
-        place.mistakes.append(document.mistake(("mesh", key), f"the mesh {file!r:.100} {fault}"))
-        return None
-    return folder / file
 
 
 def _rules(place: Folder) -> str:

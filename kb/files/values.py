@@ -46,17 +46,6 @@ def number(value: object) -> float:
     return _finite(value)
 
 
-def unit_of_length(value: object) -> str:
-    """The name of a unit of length, as ``mesh.units`` states it.
-
-    Raises:
-        ValueError: for any other value.
-    """
-    if not isinstance(value, str) or value not in LENGTHS:
-        raise ValueError(f"must be one of {', '.join(LENGTHS)}, not {value!r:.60}")
-    return value
-
-
 def _quantity(value: object, units: dict[str, float], wanted: str) -> float:
     if not isinstance(value, str):
         if isinstance(value, bool) or not isinstance(value, int | float):
@@ -96,18 +85,6 @@ UNIT = 1e-9
 def _shape(kind: str, example: str) -> WithJsonSchema:
     either = [{"type": "number"}, {"type": "string", "examples": [example]}]
     return WithJsonSchema({"anyOf": either, "description": f"{kind}, a plain number being SI"})
-
-
-def _name(value: object) -> str:
-    if not isinstance(value, str) or not value.strip() or len(value) > MAX_NAME or set(value) & set("/#\n\t"):
-        raise ValueError(f"must be a name without '/' and '#', not {value!r:.60}")
-    return value
-
-
-def _text(value: object) -> str:
-    if not isinstance(value, str) or not value:
-        raise ValueError(f"must be a text, not {value!r:.60}")
-    return value
 
 
 def _items(value: object, size: int) -> list[Any]:
@@ -159,6 +136,25 @@ def _wide(value: object) -> float:
     return size
 
 
+def _value_that(holds: Callable[[Any], bool], wanted: str) -> BeforeValidator:
+    """A value for which ``holds`` is true; ``wanted`` says so in the mistake."""
+
+    def read(value: object) -> object:
+        if not holds(value):
+            raise ValueError(f"must be {wanted}, not {value!r:.60}")
+        return value
+
+    return BeforeValidator(read)
+
+
+def _is_name(value: object) -> bool:
+    return isinstance(value, str) and bool(value.strip()) and len(value) <= MAX_NAME and not set(value) & set("/#\n\t")
+
+
+def _is_fold(value: object) -> bool:
+    return isinstance(value, int) and not isinstance(value, bool) and 2 <= value <= 360
+
+
 def _number_that(holds: Callable[[float], bool], wanted: str) -> BeforeValidator:
     """A number for which ``holds`` is true; ``wanted`` says so in the mistake."""
 
@@ -169,18 +165,6 @@ def _number_that(holds: Callable[[float], bool], wanted: str) -> BeforeValidator
         return found
 
     return BeforeValidator(read)
-
-
-def _flag(value: object) -> bool:
-    if not isinstance(value, bool):
-        raise ValueError(f"must be true or false, not {value!r:.60}")  # noqa: TRY004 - pydantic wants a ValueError
-    return value
-
-
-def _fold(value: object) -> int:
-    if isinstance(value, bool) or not isinstance(value, int) or not 2 <= value <= 360:
-        raise ValueError(f"must be a whole number from 2 to 360, not {value!r:.60}")
-    return value
 
 
 def _pair(value: object) -> tuple[float, ...]:
@@ -194,8 +178,12 @@ _TRIPLE = {"type": "array", "minItems": 3, "maxItems": 3}
 _MEASURE = {"type": ["number", "string"]}
 _OPEN = {"type": "number", "exclusiveMinimum": 0}
 
-Name = Annotated[str, BeforeValidator(_name), WithJsonSchema({"type": "string", "pattern": "^[^/#\n\t]+$"})]
-Text = Annotated[str, BeforeValidator(_text)]
+Name = Annotated[
+    str,
+    _value_that(_is_name, "a name without '/' and '#'"),
+    WithJsonSchema({"type": "string", "pattern": "^[^/#\n\t]+$"}),
+]
+Text = Annotated[str, _value_that(lambda x: isinstance(x, str) and x != "", "a text")]
 Place = Annotated[tuple[float, ...], BeforeValidator(_place), WithJsonSchema({**_TRIPLE, "items": _MEASURE})]
 Direction = Annotated[
     tuple[float, ...], BeforeValidator(_direction), WithJsonSchema({**_TRIPLE, "items": {"type": "number"}})
@@ -221,9 +209,17 @@ Chance = Annotated[
 Length = Annotated[float, BeforeValidator(length), _shape("a length", "75 cm")]
 PositiveLength = Annotated[float, BeforeValidator(_wide), _shape("a length above 0", "3 cm")]
 Positive = Annotated[float, _number_that(lambda x: x > 0, "above 0"), WithJsonSchema(_OPEN)]
-Flag = Annotated[bool, BeforeValidator(_flag)]
-Fold = Annotated[int, BeforeValidator(_fold), WithJsonSchema({"type": "integer", "minimum": 2, "maximum": 360})]
-Units = Annotated[str, BeforeValidator(unit_of_length), WithJsonSchema({"enum": list(LENGTHS)})]
+Flag = Annotated[bool, _value_that(lambda x: isinstance(x, bool), "true or false")]
+Fold = Annotated[
+    int,
+    _value_that(_is_fold, "a whole number from 2 to 360"),
+    WithJsonSchema({"type": "integer", "minimum": 2, "maximum": 360}),
+]
+Units = Annotated[
+    str,
+    _value_that(lambda x: isinstance(x, str) and x in LENGTHS, f"one of {', '.join(LENGTHS)}"),
+    WithJsonSchema({"enum": list(LENGTHS)}),
+]
 Pair = Annotated[
     tuple[float, ...],
     BeforeValidator(_pair),

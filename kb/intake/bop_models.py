@@ -10,7 +10,7 @@ from typing import Any
 
 import numpy as np
 
-from geometry.files.plain_files import JsonError, fault_of, is_there, json_of
+from geometry.files.plain_files import is_there, json_of, must_be_plain
 from geometry.frames import quat_xyzw_from_rotation
 from kb.errors import IntakeError
 from kb.files.schema import SymmetryModel
@@ -48,13 +48,9 @@ def _number(path: Path) -> int:
 def _info(path: Path) -> dict[str, Any]:
     if not is_there(path):
         return {}
-    fault = fault_of(path, MAX_BYTES)
-    if fault is not None:
-        raise IntakeError(f"{path}: {fault}")
-    try:
-        info = json_of(path, MAX_BYTES, "models' numbers, their properties, and lists of numbers are all it may hold")
-    except JsonError as error:
-        raise IntakeError(str(error)) from None
+    must_be_plain(path, IntakeError, MAX_BYTES)
+    holds = "models' numbers, their properties, and lists of numbers are all it may hold"
+    info = json_of(path, MAX_BYTES, holds, IntakeError)
     if not isinstance(info, dict) or not all(isinstance(row, dict) for row in info.values()):
         raise IntakeError(f"{path}: must map the models' numbers to their properties")
     return info

@@ -17,7 +17,7 @@ from xml.etree.ElementTree import Element
 import numpy as np
 from numpy.typing import NDArray
 
-from geometry.files.plain_files import fault_of
+from geometry.files.plain_files import content_of, fault_of, must_be_plain
 from geometry.frames import from_rotation_translation
 from kb.errors import IntakeError
 from kb.intake.source import GREY, Piece, Source, read_source
@@ -40,13 +40,8 @@ def read_xml(path: Path) -> ET.Element:
     Raises:
         IntakeError: no file, too large, no XML, nested too deeply, or one that defines entities.
     """
-    fault = fault_of(path, MAX_BYTES)
-    if fault is not None:
-        raise IntakeError(f"{path}: {fault}")
-    try:
-        text = path.read_bytes().decode("utf-8-sig", errors="replace")
-    except OSError as error:
-        raise IntakeError(f"{path}: cannot be read: {error.strerror}") from None
+    must_be_plain(path, IntakeError, MAX_BYTES)
+    text = content_of(path, MAX_BYTES, IntakeError).decode("utf-8-sig", errors="replace")
     if "<!DOCTYPE" in text or "<!ENTITY" in text:
         raise IntakeError(f"{path}: defines entities, which no robot description needs")
     try:
@@ -145,7 +140,8 @@ def merged(path: Path, visuals: Sequence[Visual]) -> Source:
             notes.append(source)
             continue
         placed = source.moved(visual.root_from_shape @ np.diag([*visual.scale, 1.0]))
-        pieces += [_tinted(piece, visual.colour) for piece in placed.pieces]
+        colour = visual.colour or GREY  # of what has none of its own
+        pieces += [replace(piece, colour=colour) if piece.colour == GREY else piece for piece in placed.pieces]
         notes += source.notes
     if not pieces:
         raise IntakeError(f"{path}: holds no visible shape" + (f": {notes[0]}" if notes else ""))
@@ -179,18 +175,6 @@ def _primitive(visual: Visual) -> Source:
     else:
         mesh = creation.icosphere(subdivisions=3, radius=visual.sizes[0])
     return Source((Piece(np.array(mesh.vertices), np.array(mesh.faces, dtype=np.int64)),))
-
-
-def _tinted(piece: Piece, colour: tuple[int, int, int] | None) -> Piece:
-    """The piece in the description's colour, where it has none of its own."""
-    return replace(piece, colour=colour) if colour is not None and piece.colour == GREY else piece
-
-
-def primitive_sizes(kind: str, sizes: Sequence[float], path: Path) -> tuple[float, ...]:
-    """The sizes of a primitive; raises IntakeError for one that is not above 0."""
-    if not all(size > 0 for size in sizes):
-        raise IntakeError(f"{path}: the sizes of a {kind} must be above 0, not {list(sizes)}")
-    return tuple(sizes)
 
 
 Colour = tuple[int, int, int]
@@ -328,5 +312,7 @@ def _shapes(visual: Element, place: Frame, read: Read, file_key: str, where: str
             yield Visual(place, read(shape, file_key) or "", tuple(scale))
         elif shape.tag in SIZES:
             rows = [numbers(read(shape, key), count, 0.0, f"{what}: {key}") for key, count in SIZES[shape.tag]]
-            sizes = [size for row in rows for size in row]
-            yield Visual(place, kind=shape.tag, sizes=primitive_sizes(shape.tag, sizes, path))
+            sizes = tuple(size for row in rows for size in row)
+            if not all(size > 0 for size in sizes):
+                raise IntakeError(f"{path}: the sizes of a {shape.tag} must be above 0, not {list(sizes)}")
+            yield Visual(place, kind=shape.tag, sizes=sizes)

@@ -22,6 +22,7 @@ from scipy.spatial import cKDTree
 from geometry.arrays import Bytes, Floats, Ints, Mask
 from geometry.camera import Camera
 from geometry.errors import GeometryError
+from geometry.files.plain_files import content_of
 from geometry.frames import inverse, transform_points
 from geometry.poses.register import LEAST_POINTS_CALIBRATED, LEAST_POINTS_UNCALIBRATED, Registration, register, suspect
 from kb.errors import IntakeError, KBErrors, Mistake
@@ -57,12 +58,7 @@ def read_points(path: Path, units: str | None = None) -> Points:
         IntakeError: there is no such file, or it is too large.
         KBErrors: every mistake in it.
     """
-    try:
-        content = path.read_bytes() if path.stat().st_size <= MAX_BYTES else None
-    except OSError as error:
-        raise IntakeError(f"{path}: cannot be read: {error.strerror}") from None
-    if content is None:
-        raise IntakeError(f"{path}: is larger than the {MAX_BYTES} bytes that a file of points may have")
+    content = content_of(path, MAX_BYTES, IntakeError)
     if path.suffix.lower() in (".csv", ".txt"):
         return _from_csv(path, content, LENGTHS[units or "m"])
     return _from_yaml(load(str(path), content), units)

@@ -19,7 +19,7 @@ from numpy.typing import NDArray
 from scipy.spatial import cKDTree
 
 from geometry.arrays import Bytes, Floats, Mask
-from geometry.frames import from_rotation_translation, quat_xyzw_from_rotation, rotation_angle, rotation_from_quat_xyzw
+from geometry.frames import motion_about, quat_xyzw_from_rotation, rotation_angle
 from kb.clouds.learned import LearnedCloud
 from kb.files.schema import SymmetryModel
 from kb.learning.again import ALIKE, differences, flat
@@ -64,13 +64,9 @@ def counterparts(
         apart = differences(moving[some], cloud.descriptor[its])
         close = apart < ALIKE[cloud.descriptor.shape[1]]
         found.append((some[close], its[close], apart[close]))
-    if not found:
-        return np.zeros(0, np.intp), np.zeros(0, np.intp), np.zeros(0)
-    return (
-        np.concatenate([f[0] for f in found]),
-        np.concatenate([f[1] for f in found]),
-        np.concatenate([f[2] for f in found]),
-    )
+    none = np.zeros(0, np.intp), np.zeros(0, np.intp), np.zeros(0)
+    some, its, apart = (np.concatenate(columns) for columns in zip(none, *found, strict=True))
+    return some, its, apart
 
 
 def _alike(some: Floats, others: Floats, least: float) -> Mask:
@@ -204,7 +200,7 @@ def trials(cloud: LearnedCloud, surface: Surface) -> list[list[Trial]]:
 
 def _trial(cloud: LearnedCloud, dealt: Bytes, turn: Turn, diameter: float) -> Trial:
     angles = ODD if turn.fold == 0 else (2.0 * math.pi / turn.fold,)
-    moves = tuple(_settled(cloud, _motion(turn, angle), diameter) for angle in angles)
+    moves = tuple(_settled(cloud, motion_about(turn.axis, turn.at, angle), diameter) for angle in angles)
     shares = [share(cloud, counterparts(cloud, motion, reach_of(cloud))[0]) for motion in moves]
     controls = [share(cloud, counterparts(cloud, motion, reach_of(cloud), dealt)[0]) for motion in moves]
     worst = int(np.argmin(shares))
@@ -215,13 +211,6 @@ def _settled(cloud: LearnedCloud, motion: Floats, diameter: float) -> Floats:
     """The motion settled on the cloud; as it was, where that would make another turn of it."""
     found = settled(cloud, motion, diameter)
     return found if rotation_angle(found[:3, :3] @ motion[:3, :3].T) < STRAY else motion
-
-
-def _motion(turn: Turn, angle: float) -> Floats:
-    """(4, 4): the turn by an angle."""
-    axis, at = np.array(turn.axis), np.array(turn.at)
-    R = rotation_from_quat_xyzw([*(math.sin(angle / 2.0) * axis), math.cos(angle / 2.0)])
-    return np.asarray(from_rotation_translation(R, at - R @ at))
 
 
 def judged(

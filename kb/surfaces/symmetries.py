@@ -8,11 +8,18 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from geometry.frames import from_rotation_translation, quat_xyzw_from_rotation, rotation_angle, rotation_from_quat_xyzw
+from geometry.frames import (
+    from_rotation_translation,
+    motion_about,
+    quat_xyzw_from_rotation,
+    rotation_angle,
+    rotation_from_quat_xyzw,
+    turn_about,
+)
 from kb.surfaces.nearness import Nearness, spread
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable, Sequence
+    from collections.abc import Sequence
 
     from numpy.typing import ArrayLike, NDArray
 
@@ -54,9 +61,7 @@ def _generator(symmetry: SymmetryModel) -> NDArray[np.float64]:
     at = np.array(symmetry.at)
     if symmetry.axis is None:
         return np.asarray(from_rotation_translation(rotation_from_quat_xyzw(symmetry.quat_xyzw or (0, 0, 0, 1)), at))
-    half = math.pi / (symmetry.fold or CONTINUOUS)
-    turn = rotation_from_quat_xyzw([*(math.sin(half) * np.array(symmetry.axis)), math.cos(half)])
-    return np.asarray(from_rotation_translation(turn, at - turn @ at))
+    return motion_about(symmetry.axis, at, 2.0 * math.pi / (symmetry.fold or CONTINUOUS))
 
 
 def symmetry_entries(group: ArrayLike) -> list[dict[str, Any]]:
@@ -74,17 +79,13 @@ def _turns(moves: Sequence[NDArray[np.float64]]) -> list[dict[str, Any]]:
     size = float(np.linalg.norm(quat[:3]))
     if size < SAME or not 2 <= fold <= 360:
         return []
-    axis, half = quat[:3] / size, math.pi / fold
+    axis = quat[:3] / size
     axis = axis * (np.sign(axis[np.abs(axis) > SAME][-1]))
-    turn = rotation_from_quat_xyzw([*(math.sin(half) * axis), math.cos(half)])
-    wanted = _powers(from_rotation_translation(turn, np.zeros(3)), fold)
+    turn = from_rotation_translation(turn_about(axis, 2.0 * math.pi / fold), np.zeros(3))
+    wanted = [np.linalg.matrix_power(turn, power) for power in range(1, fold)]
     if all(min(np.abs(motion - power).max() for power in wanted) < SAME for motion in moves):
         return [{"axis": [float(x) for x in axis], "fold": fold}]
     return []
-
-
-def _powers(turn: NDArray[np.float64], fold: int) -> Iterable[NDArray[np.float64]]:
-    return [np.linalg.matrix_power(turn, power) for power in range(1, fold)]
 
 
 def _motion(motion: NDArray[np.float64]) -> dict[str, Any]:
@@ -140,8 +141,7 @@ def turns_of(surface: Surface) -> list[Turn]:
 
 def _fold(there: Nearness, probes: Places, centre: Places, axis: Places, near: float) -> int | None:
     def stays(angle: float) -> bool:
-        quat = [*(math.sin(angle / 2) * axis), math.cos(angle / 2)]
-        turned = (probes - centre) @ rotation_from_quat_xyzw(quat).T + centre
+        turned = (probes - centre) @ turn_about(axis, angle).T + centre
         return bool(np.quantile(there.distance(turned), 0.95) <= near)
 
     if all(stays(angle) for angle in ODD):

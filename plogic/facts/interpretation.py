@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Final, cast
 
 import numpy as np
 
-from geometry.files.plain_files import JsonError, json_of
+from geometry.files.plain_files import json_of
 from plogic.base.errors import InterpretationError
 from plogic.base.shapes import mistakes
 from plogic.facts.document import Case, FeatureRow, HypothesisFacts, HypothesisRow, Interpretation, StandsKey
@@ -192,7 +192,4 @@ def interpretation_in(document: object, name: str, formats: str = "{}") -> Inter
 
 def parsed(path: Path | str) -> object:
     """The JSON of a file; '-' is stdin. Raises InterpretationError, one line."""
-    try:
-        return json_of(path, LARGEST, "it should hold what a picture shows", finite=True)
-    except JsonError as error:
-        raise InterpretationError(str(error)) from None
+    return json_of(path, LARGEST, "it should hold what a picture shows", InterpretationError, finite=True)

@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from geometry.files.plain_files import JsonError, json_of
+from geometry.files.plain_files import json_of
 from plogic.base.errors import InputError
 from plogic.match.gamma.data import Data, data_of
 from plogic.match.judged.expectation import hidden_by, matched, pose_of
@@ -56,10 +56,7 @@ class Truth:
 
 def read_truth(path: Path) -> Truth:
     """Read a truth file; raises InputError that names the file, the key and what would be right."""
-    try:
-        data = json_of(path, LARGEST, "it should hold where objects stand")
-    except JsonError as error:
-        raise InputError(str(error)) from None
+    data = json_of(path, LARGEST, "it should hold where objects stand", InputError)
     if not isinstance(data, dict) or data.get("format") != FORMAT:
         raise InputError(f"{path}: format: should be {FORMAT!r}")
     complete, objects = data.get("complete", True), data.get("objects")

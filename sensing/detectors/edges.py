@@ -104,6 +104,28 @@ def fit_lines(places: Floats, weights: Floats) -> tuple[Floats, Floats, Floats]:
     return point, direction, rms
 
 
+def sides_of(quads: Floats) -> Floats:
+    """(4 N, 4) segments from each corner of N quadrilaterals (N, 4, 2) to the next."""
+    return np.concatenate([quads, np.roll(quads, -1, axis=1)], axis=2).reshape(-1, 4)
+
+
+def fitted_quads(
+    grey: NDArray[np.float32], sides: Floats, share: tuple[float, float], samples: int, reach: Floats
+) -> tuple[Floats, Floats]:
+    """Corners (N, 4, 2) where lines meet that are fitted to the steepest change, dark inside, across sides (4 N, 4).
+
+    NaN where neighbouring sides turn out to be parallel. ``share``, ``samples`` and ``reach`` as in ``profiles``; and
+    the rise (4 N, S) in grey levels across each side.
+    """
+    values, offsets, base = profiles(grey, sides, share, samples, reach)
+    where, rise = edge_offsets(values, offsets, np.full(len(sides), -1.0))
+    normal = directions(sides)[1]
+    point, direction, _ = (
+        x.reshape(-1, 4, *x.shape[1:]) for x in fit_lines(base + where[:, :, None] * normal[:, None], rise)
+    )
+    return meet(np.roll(point, 1, axis=1), np.roll(direction, 1, axis=1), point, direction), rise
+
+
 def meet(point_a: Floats, along_a: Floats, point_b: Floats, along_b: Floats) -> Floats:
     """(..., 2) intersection of lines given by points and directions; NaN for parallels."""
     cross = along_a[..., 0] * along_b[..., 1] - along_a[..., 1] * along_b[..., 0]
@@ -161,7 +183,7 @@ def find_segments(channels: Sequence[NDArray[np.float32]]) -> Floats:
     and another shows longer is reported once, the longer.
     """
     raw = [
-        np.concatenate([_sharp_edges(channels[0]), _weak_edges(channels[0])]),
+        np.concatenate([_lsd(channels[0], 0.8, 1.6, MIN_LENGTH), _weak_edges(channels[0])]),
         *(_weak_edges(c) for c in channels[1:]),
     ]
     found = np.concatenate(
@@ -182,10 +204,6 @@ def _covered(longer: Floats, others: Floats) -> Mask:
     t, across = np.sort(ends @ along, axis=1), np.abs(ends @ normal).max(axis=1)
     shared = np.minimum(t[:, 1], length) - np.maximum(t[:, 0], 0)
     return np.asarray((across < 2.0) & (shared > 0.5 * (t[:, 1] - t[:, 0])))
-
-
-def _sharp_edges(grey: NDArray[np.float32]) -> Floats:
-    return _lsd(grey, 0.8, 1.6, MIN_LENGTH)
 
 
 def _weak_edges(grey: NDArray[np.float32]) -> Floats:

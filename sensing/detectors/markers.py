@@ -22,7 +22,7 @@ from numpy.typing import NDArray
 
 from geometry.arrays import Bytes, Floats
 from sensing.appearance import Appearance
-from sensing.detectors.edges import directions, edge_offsets, fit_lines, meet, profiles
+from sensing.detectors.edges import fitted_quads, meet, sides_of
 from sensing.detectors.patches import areas
 from sensing.errors import DetectorError
 
@@ -86,16 +86,10 @@ def fitted(grey: NDArray[np.float32], quads: Floats) -> Floats:
     border cell of a 6 × 6 marker), then to a sixteenth; corners that stray by more than twice that stay where they are.
     """
     for cells in (10, 16, 16):
-        sides = np.concatenate([quads, np.roll(quads, -1, axis=1)], axis=2).reshape(-1, 4)
+        sides = sides_of(quads)
         length = np.maximum(np.hypot(*(sides[:, 2:] - sides[:, :2]).T), 1e-9)
         reach = np.clip(np.repeat(areas(quads), 4) / length / cells, 1.2, 6.0)
-        values, offsets, base = profiles(grey, sides, (0.15, 0.85), 32, reach)
-        where, rise = edge_offsets(values, offsets, np.full(len(sides), -1.0))
-        normal = directions(sides)[1]
-        point, direction, _ = (
-            x.reshape(-1, 4, *x.shape[1:]) for x in fit_lines(base + where[:, :, None] * normal[:, None], rise)
-        )
-        moved = meet(np.roll(point, 1, axis=1), np.roll(direction, 1, axis=1), point, direction)
+        moved, _ = fitted_quads(grey, sides, (0.15, 0.85), 32, reach)
         near = np.linalg.norm(moved - quads, axis=2).max(axis=1) <= 2 * reach.reshape(-1, 4).max(
             axis=1
         )  # never for NaN

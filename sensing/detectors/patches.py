@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 
 from geometry.arrays import Bytes, Floats, Mask
 from sensing.appearance import Appearance
-from sensing.detectors.edges import edge_offsets, fit_lines, meet, profiles, sample
+from sensing.detectors.edges import fitted_quads, meet, sample, sides_of
 
 STEP = 12
 """Grey levels between two thresholds."""
@@ -49,7 +49,7 @@ class Patches:
     score: Floats
 
     def __post_init__(self) -> None:
-        for array in (self.corners, self.centre, self.contrast, self.score):
+        for array in vars(self).values():
             array.setflags(write=False)
 
 
@@ -129,39 +129,27 @@ def _quad(blob: "Blob") -> Floats:
 
 def _plausible(quads: Floats) -> Mask:
     """Convex, clockwise, no side too short, not too long for its width."""
-    sides = np.linalg.norm(np.roll(quads, -1, axis=1) - quads, axis=2)
-    area = areas(quads)
+    edges = np.roll(quads, -1, axis=1) - quads
+    onward = np.roll(edges, -1, axis=1)
+    convex = ((edges[:, :, 0] * onward[:, :, 1] - edges[:, :, 1] * onward[:, :, 0]) > 0).all(axis=1)
+    sides, area = np.linalg.norm(edges, axis=2), areas(quads)
     width = area / np.maximum(sides.max(axis=1), 1e-9)
     good = (
         (sides.min(axis=1) >= MIN_SIDE)
         & (area >= MIN_SIDE**2)
         & (sides.max(axis=1) <= MAX_ASPECT * np.maximum(width, 1e-9))
     )
-    return np.asarray(good & _convex(quads))
-
-
-def _convex(quads: Floats) -> Mask:
-    e = np.roll(quads, -1, axis=1) - quads
-    n = np.roll(e, -1, axis=1)
-    return np.asarray(((e[:, :, 0] * n[:, :, 1] - e[:, :, 1] * n[:, :, 0]) > 0).all(axis=1))
+    return np.asarray(good & convex)
 
 
 def _fitted(grey: NDArray[np.float32], quads: Floats, share: float) -> tuple[Floats, Floats]:
     """Quadrilaterals with their sides moved to where the brightness changes, and the median rise (N, 4) across each side."""
-    n = len(quads)
-    segments = np.concatenate([quads, np.roll(quads, -1, axis=1)], axis=2).reshape(-1, 4)
-    lengths = np.linalg.norm(segments[:, 2:] - segments[:, :2], axis=1).reshape(n, 4)
+    sides = sides_of(quads)
+    lengths = np.linalg.norm(sides[:, 2:] - sides[:, :2], axis=1).reshape(-1, 4)
     width = np.repeat(areas(quads)[:, None], 4, axis=1) / np.maximum(lengths, 1e-9)
     reach = np.clip(0.6 * width, 1.5, 2.5).reshape(-1)
-    values, offsets, base = profiles(grey, segments, ((1 - share) / 2, (1 + share) / 2), 10, reach)
-    where, rise = edge_offsets(values, offsets, -np.ones(len(segments)))
-    along = (segments[:, 2:] - segments[:, :2]) / np.maximum(lengths.reshape(-1, 1), 1e-9)
-    normal = np.stack([-along[:, 1], along[:, 0]], axis=1)
-    point, direction, _ = fit_lines(base + where[:, :, None] * normal[:, None], rise)
-    point, direction = point.reshape(n, 4, 2), direction.reshape(n, 4, 2)
-    return meet(np.roll(point, 1, axis=1), np.roll(direction, 1, axis=1), point, direction), np.median(
-        rise, axis=1
-    ).reshape(n, 4)
+    moved, rise = fitted_quads(grey, sides, ((1 - share) / 2, (1 + share) / 2), 10, reach)
+    return moved, np.median(rise, axis=1).reshape(-1, 4)
 
 
 def _chosen(grey: NDArray[np.float32], quads: Floats, rise: Floats, areas_seen: Floats) -> Patches:

@@ -10,17 +10,16 @@ import binascii
 import json
 import math
 import sys
-from collections import Counter
 from collections.abc import Collection
 from pathlib import Path
 from typing import Annotated, Any, Literal, Self
 
 from pydantic import BaseModel, ConfigDict, Field, ValidationError, model_validator
 
-from geometry.camera import Camera, camera_from_dict, camera_to_dict
-from geometry.errors import CameraError
+from geometry.camera import Camera, camera_from_dict, camera_mistakes, camera_to_dict
+from geometry.files.plain_files import name_of, parsed_json, text_of
 from sensing.appearance import Appearance, Gamma
-from sensing.detectors.edge_sides import WIDTH as SIDE
+from sensing.detectors.keypoint_detector import WIDTH as SIDE
 from sensing.detectors.keypoints import WIDTHS
 from sensing.errors import GammaError
 from sensing.files.whole_files import write_whole
@@ -71,8 +70,11 @@ def read_gamma(path: str | Path, vocabulary: Collection[str] | None = None) -> G
     Raises:
         GammaError: Every mistake of the file, one line each.
     """
-    name = "<stdin>" if str(path) == "-" else str(path)
-    return gamma_from_text(_text(path, name), name, vocabulary)
+    return gamma_from_text(text_of(path, MAX_BYTES, _refused, "JSON"), name_of(path), vocabulary)
+
+
+def _refused(lines: str) -> GammaError:
+    return GammaError(lines.splitlines())
 
 
 def gamma_from_text(text: str, name: str = "gamma.json", vocabulary: Collection[str] | None = None) -> Gamma:
@@ -80,17 +82,22 @@ def gamma_from_text(text: str, name: str = "gamma.json", vocabulary: Collection[
 
     Raises GammaError as ``read_gamma`` does.
     """
-    return gamma_from_dict(_parsed(text, name), name, vocabulary)
+    data = parsed_json(text, name, "it should hold appearances", _refused, single=True)
+    return gamma_from_dict(data, name, vocabulary)
 
 
 def gamma_from_dict(data: object, name: str = "gamma.json", vocabulary: Collection[str] | None = None) -> Gamma:
     """Γ from parsed JSON; raises GammaError with every mistake."""
-    mistakes = _shape_mistakes(data)
-    camera, wrong = _camera(data)
-    mistakes += wrong + _content_mistakes(data, camera, vocabulary)
-    if mistakes or camera is None:
-        raise GammaError([f"{name}: {line}" for line in mistakes])
-    model = _GammaModel.model_validate(data)
+    given = data.get("camera") if isinstance(data, dict) else None
+    wrong = camera_mistakes(given) if isinstance(given, dict) else []
+    camera = camera_from_dict(given) if isinstance(given, dict) and not wrong else None
+    wrong += _content_mistakes(data, camera, vocabulary)
+    try:
+        model = _GammaModel.model_validate(data)
+    except ValidationError as error:
+        wrong = [_line(e["loc"], e["msg"], e["input"]) for e in error.errors(include_url=False)] + wrong
+    if wrong or camera is None:
+        raise GammaError([f"{name}: {line}" for line in wrong])
     return Gamma(camera, tuple(_appearance(a) for a in model.appearances))
 
 
@@ -110,12 +117,7 @@ def appearance_to_dict(appearance: Appearance, *, described: bool = True) -> dic
     """
     a = appearance
     keys: dict[str, Any] = {"id": a.id, "type": a.type, "uv": list(a.uv), "detector": a.detector}
-    if a.angle is not None:
-        keys["angle"] = a.angle
-    if a.scale is not None:
-        keys["scale"] = a.scale
-    if a.score is not None:
-        keys["score"] = a.score
+    keys |= {key: told for key in ("angle", "scale", "score") if (told := getattr(a, key)) is not None}
     if a.arms:
         keys["arms"] = list(a.arms)
     if a.depth is not None:
@@ -134,65 +136,10 @@ def write_gamma(gamma: Gamma, path: str | Path) -> None:
         write_whole(Path(path), text.encode())
 
 
-def _text(path: str | Path, name: str) -> str:
-    try:
-        data = sys.stdin.buffer.read(MAX_BYTES + 1) if str(path) == "-" else _head(Path(path))
-        if len(data) > MAX_BYTES:
-            raise GammaError([f"{name}: is larger than the {MAX_BYTES} bytes that a Γ may have"])
-        return data.decode("utf-8-sig")
-    except OSError as error:
-        raise GammaError([f"{name}: cannot be read: {error.strerror}"]) from None
-    except UnicodeDecodeError as error:
-        raise GammaError([f"{name}: is not UTF-8 text (byte {error.start})"]) from None
-
-
-def _head(path: Path) -> bytes:
-    with path.open("rb") as file:
-        return file.read(MAX_BYTES + 1)
-
-
-def _parsed(text: str, name: str) -> object:
-    doubled: list[str] = []
-
-    def pairs(items: list[tuple[str, Any]]) -> dict[str, Any]:
-        found = dict(items)
-        if len(found) < len(items):
-            doubled.extend(sorted(key for key, times in Counter(key for key, _ in items).items() if times > 1))
-        return found
-
-    try:
-        data = json.loads(text, object_pairs_hook=pairs)
-    except json.JSONDecodeError as error:
-        raise GammaError([f"{name}:{error.lineno}:{error.colno}: is not JSON: {error.msg}"]) from None
-    except (RecursionError, ValueError) as error:
-        raise GammaError([f"{name}: is not JSON that can be read: {type(error).__name__}"]) from None
-    if doubled:
-        raise GammaError([f"{name}: the key {key!r} is given twice in one object" for key in doubled])
-    return data
-
-
-def _shape_mistakes(data: object) -> list[str]:
-    try:
-        _GammaModel.model_validate(data)
-    except ValidationError as error:
-        return [_line(e["loc"], e["msg"], e["input"]) for e in error.errors(include_url=False)]
-    return []
-
-
 def _line(loc: tuple[int | str, ...], message: str, value: object) -> str:
     shown = "" if isinstance(value, (dict, list)) else f", not {value!r:.60}"
     place = ".".join(str(part) for part in loc)
     return f"{place + ': ' if place else ''}{message[:1].lower()}{message[1:]}{shown}"
-
-
-def _camera(data: object) -> tuple[Camera | None, list[str]]:
-    if not isinstance(data, dict) or not isinstance(data.get("camera"), dict):
-        return None, []
-    try:
-        return camera_from_dict(data["camera"]), []
-    except CameraError as error:
-        lines = str(error).splitlines()
-        return None, [line if line.startswith("camera") else f"camera: {line}" for line in lines]
 
 
 def _content_mistakes(data: object, camera: Camera | None, vocabulary: Collection[str] | None) -> list[str]:
@@ -237,13 +184,10 @@ def _descriptor_mistake(a_type: object, text: object) -> str | None:
 
 def _outside(uv: object, camera: Camera) -> bool:
     """Whether a well-formed place lies outside the pixels' area; an ill-formed one is another mistake's business."""
-    if not (
-        isinstance(uv, list)
-        and len(uv) == 2
-        and all(type(x) is int or (type(x) is float and math.isfinite(x)) for x in uv)
-    ):
-        return False
-    return not (-0.5 <= uv[0] <= camera.width - 0.5 and -0.5 <= uv[1] <= camera.height - 0.5)
+    match uv:
+        case [int() | float() as u, int() | float() as v] if abs(u) < math.inf and abs(v) < math.inf:
+            return not (-0.5 <= u <= camera.width - 0.5 and -0.5 <= v <= camera.height - 0.5)
+    return False
 
 
 def _appearance(model: _AppearanceModel) -> Appearance:

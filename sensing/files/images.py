@@ -23,6 +23,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from geometry.files.plain_files import content_of
 from sensing.errors import ImageError
 
 MAX_PIXELS = 200_000_000
@@ -46,7 +47,7 @@ def read_image(path: str | Path) -> NDArray[np.uint8]:
     Raises:
         ImageError: No such file, not an image, damaged or cut off, too large, or of floating-point numbers.
     """
-    return image_from(_bytes(Path(path)), path)
+    return image_from(content_of(path, MAX_BYTES, ImageError), path)
 
 
 def image_from(data: bytes, name: str | Path) -> NDArray[np.uint8]:
@@ -74,16 +75,6 @@ def _decoded(data: bytes) -> NDArray[Any] | None:
     finally:
         log.setLogLevel(level)
     return None if pixels is None else np.asarray(pixels)
-
-
-def _bytes(path: Path) -> bytes:
-    try:
-        size = path.stat().st_size
-        if size > MAX_BYTES:
-            raise ImageError(f"{path}: {size} bytes is more than the {MAX_BYTES} that an image may have")
-        return path.read_bytes()
-    except OSError as error:
-        raise ImageError(f"{path}: cannot be read: {error.strerror}") from None
 
 
 def _as_bgr(pixels: NDArray[Any], path: str | Path) -> NDArray[np.uint8]:

@@ -14,14 +14,14 @@ are Γ files, which have their own.
 
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 
 from geometry.arrays import Floats, Mask, frozen
 from geometry.camera import Camera, camera_from_dict
 from geometry.errors import CameraError
-from geometry.files.plain_files import JsonError, fault_of, json_of
+from geometry.files.plain_files import json_of, must_be_plain
 from geometry.files.pose_files import nearest_rigid
 from geometry.frames import is_rigid, transform_points
 from sensing.appearance import Appearance, Gamma
@@ -170,40 +170,18 @@ class Calibration(NamedTuple):
 
 def read_stereo(path: Path | str) -> Calibration:
     """The calibration of a file. Raises CameraError, one line."""
-    fault = fault_of(Path(path), LARGEST)
-    if fault is not None:
-        raise CameraError(f"{path}: {fault}")
-    try:
-        document = json_of(Path(path), LARGEST, HOLDS)
-    except JsonError as error:
-        raise CameraError(str(error)) from None
+    must_be_plain(path, CameraError, LARGEST)
+    document = json_of(path, LARGEST, HOLDS, CameraError)
     if not isinstance(document, dict) or document.get("format") != "stereo/1" or "T_right_left" not in document:
         raise CameraError(f"{path}: {HOLDS}")
     unknown = sorted(set(document) - {"format", "T_right_left", "left", "right"})
     if unknown:
         raise CameraError(f"{path}: {unknown[0]}: unknown key; it {HOLDS}")
-    return Calibration(
-        _pair(path, document["T_right_left"]), *(_camera(path, document, side) for side in ("left", "right"))
-    )
-
-
-def _pair(path: Path | str, value: Any) -> Pair:  # noqa: ANN401 - parsed JSON
-    try:
-        pose = nearest_rigid(np.array(value, np.float64))
-    except (TypeError, ValueError):
-        pose = None
+    pose = nearest_rigid(document["T_right_left"])
     if pose is None:
         raise CameraError(f"{path}: T_right_left: must be a rigid 4x4 matrix (row-major, metres)")
     try:
-        return Pair(pose)
-    except CameraError as error:
-        raise CameraError(f"{path}: {error}") from None
-
-
-def _camera(path: Path | str, document: dict[str, Any], side: str) -> Camera | None:
-    if side not in document:
-        return None
-    try:
-        return camera_from_dict(document[side], side)
+        cameras = {side: camera_from_dict(document[side], side) for side in ("left", "right") if side in document}
+        return Calibration(Pair(pose), cameras.get("left"), cameras.get("right"))
     except CameraError as error:
         raise CameraError(f"{path}: {error}") from None

@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from geometry.files.mesh_files import Placed, Texture, meshes_of, reason, textures_in, triangles_of
+from geometry.files.mesh_files import Placed, Texture, joined_meshes, meshes_of, reason, textures_in, triangles_of
 from geometry.files.plain_files import IS_MISSING, fault_of
 from sensing.errors import SceneError
 from sensing.files.images import image_from, read_image
@@ -117,20 +117,12 @@ def read_mesh(path: str | Path, metres_per_unit: float = 1.0) -> TexturedMesh:
         raise SceneError(f"{path}: trimesh cannot read it: {reason(path, error)}") from error
     if not meshes:
         raise SceneError(f"{path}: holds no triangles")
-    vertices, triangles = _whole(meshes)
+    vertices, triangles = joined_meshes([triangles_of(mesh, placed) for mesh, placed in meshes])
     uv = _uv(meshes)
     texture = _texture(path, meshes) if uv is not None else None
     if texture is None:
         return TexturedMesh(vertices * metres_per_unit, triangles, colour=GREY)
     return TexturedMesh(vertices * metres_per_unit, triangles, uv, texture)
-
-
-def _whole(meshes: Placed) -> tuple[NDArray[np.float64], NDArray[np.int64]]:
-    """All vertices (V, 3) and triangles (T, 3)."""
-    parts = [triangles_of(mesh, placed) for mesh, placed in meshes]
-    starts = np.cumsum([0] + [len(vertices) for vertices, _ in parts])
-    triangles = [corners + start for (_, corners), start in zip(parts, starts, strict=False)]
-    return np.concatenate([vertices for vertices, _ in parts]), np.concatenate(triangles)
 
 
 def _uv(meshes: Placed) -> NDArray[np.float64] | None:

@@ -13,7 +13,7 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from geometry.camera import Camera
+from geometry.camera import Camera, centred_camera
 from geometry.frames import inverse, look_at
 from sensing.simulated.body import Body, TexturedMesh
 from sensing.simulated.stage import Stage, stage
@@ -135,10 +135,11 @@ def turned(
     """
     middle, diameter = extent(mesh.vertices)
     scale = UNIT / diameter
-    small = _scaled(mesh, middle, scale)
+    small = replace(mesh, vertices=(mesh.vertices - middle) * scale)
     with stage([Body(None, small, np.eye(4))], EVEN) as drawn:
         for direction in viewpoints:
-            camera_from_body = look_at(np.asarray(direction, float) * away * UNIT, np.zeros(3), _upward(direction))
+            upward = (0.0, 0.0, 1.0) if abs(direction[2]) < STEEP else (0.0, 1.0, 0.0)
+            camera_from_body = look_at(np.asarray(direction, float) * away * UNIT, np.zeros(3), upward)
             yield _taken(drawn, camera_from_body, (pixels, margin, away), (middle, scale))
 
 
@@ -146,14 +147,6 @@ def extent(vertices: NDArray[np.float64]) -> tuple[NDArray[np.float64], float]:
     """Middle (3,) of the box of vertices (V, 3), and the diameter of the ball around it that holds them all."""
     middle = (vertices.min(axis=0) + vertices.max(axis=0)) / 2.0
     return middle, 2.0 * float(np.linalg.norm(vertices - middle, axis=1).max())
-
-
-def _scaled(mesh: TexturedMesh, middle: NDArray[np.float64], scale: float) -> TexturedMesh:
-    return replace(mesh, vertices=(mesh.vertices - middle) * scale)
-
-
-def _upward(direction: NDArray[np.float64]) -> tuple[float, float, float]:
-    return (0.0, 0.0, 1.0) if abs(direction[2]) < STEEP else (0.0, 1.0, 0.0)
 
 
 def _taken(
@@ -164,10 +157,10 @@ def _taken(
 ) -> Turn:
     (pixels, margin, away), (middle, scale) = size, place
     side = round(pixels * (1.0 + 2.0 * margin))
-    colour, segmentation, depth = drawn.shoot(_camera(side, pixels * away, inverse(camera_from_body)), FINER)
+    colour, segmentation, depth = drawn.shoot(_square(side, pixels * away, inverse(camera_from_body)), FINER)
     object_from_camera = inverse(camera_from_body)
     object_from_camera[:3, 3] = object_from_camera[:3, 3] / scale + middle
-    camera = _camera(side * FINER, pixels * away * FINER, object_from_camera)
+    camera = _square(side * FINER, pixels * away * FINER, object_from_camera)
     mask = segmentation >= 0
     window = _around(mask, round(margin * pixels * FINER))
     colour, mask, depth = (np.ascontiguousarray(values[window]) for values in (colour, mask, depth / np.float32(scale)))
@@ -193,6 +186,5 @@ def _cut(camera: Camera, window: tuple[slice, slice]) -> Camera:
     return Camera(columns.stop - columns.start, rows.stop - rows.start, K, np.zeros(0), camera.world_from_camera)
 
 
-def _camera(side: int, f: float, world_from_camera: NDArray[np.float64]) -> Camera:
-    centre = (side - 1) / 2.0
-    return Camera(side, side, np.array([[f, 0, centre], [0, f, centre], [0, 0, 1]]), np.zeros(0), world_from_camera)
+def _square(side: int, f: float, world_from_camera: NDArray[np.float64]) -> Camera:
+    return replace(centred_camera((side, side), f), world_from_camera=world_from_camera)

@@ -26,6 +26,7 @@ from sensing.files.whole_files import new_folder
 from sensing.simulated.body import Body
 from sensing.simulated.camera import Rendering, visible_fractions
 from sensing.simulated.scene import Scene, json_bytes, png, truth_to_dict
+from sensing.simulated.surroundings import placed_at
 
 LOW = 0.1
 """M above the floor that a camera stays."""
@@ -40,26 +41,21 @@ class Robot:
 
     def __init__(self, scene: Scene) -> None:
         """Begin where the scene's own camera is. Raises SceneError where that is nowhere."""
-        if scene.camera.world_from_camera is None:
-            raise SceneError("camera: has no pose in the world (T_world_camera)")
+        placed_at(scene.camera)
         self._scene, self.looks = scene, 0
 
     @property
     def world_from_camera(self) -> NDArray[np.float64]:
         """(4, 4) m."""
-        pose = self._scene.camera.world_from_camera
-        assert pose is not None  # noqa: S101 - ``__init__`` and ``move_to`` see to that
-        return pose
+        return placed_at(self._scene.camera)
 
     @property
     def middle(self) -> NDArray[np.float64]:
         """(3,) m: the middle of the box around all bodies; the origin where there is none."""
-        points = [body.vertices_world for body in self._scene.bodies]
-        return (
-            np.zeros(3)
-            if not points
-            else (np.concatenate(points).min(axis=0) + np.concatenate(points).max(axis=0)) / 2.0
-        )
+        if not self._scene.bodies:
+            return np.zeros(3)
+        points = np.concatenate([body.vertices_world for body in self._scene.bodies])
+        return np.asarray((points.min(axis=0) + points.max(axis=0)) / 2.0)
 
     def why_not(self, world_from_camera: NDArray[np.float64]) -> str | None:
         """Why the camera cannot be there; None where it can. Only the place is looked at, not the way to it."""

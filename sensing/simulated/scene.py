@@ -26,7 +26,7 @@ from sensing.files.whole_files import write_folder
 from sensing.simulated.body import Body, TexturedMesh
 from sensing.simulated.camera import Rendering, Sensor, render, visible_fractions
 from sensing.simulated.physics import settle
-from sensing.simulated.surroundings import Light, Surroundings
+from sensing.simulated.surroundings import Light, Surroundings, placed_at
 
 CELL = 192
 """Side of one face's square in the texture, texels."""
@@ -63,10 +63,8 @@ class Scene:
     @property
     def camera_from_bodies(self) -> NDArray[np.float64]:
         """(B, 4, 4) ground truth poses."""
-        if self.camera.world_from_camera is None:
-            raise SceneError("camera: has no pose in the world (T_world_camera)")
         poses = np.array([b.world_from_body for b in self.bodies]).reshape(-1, 4, 4)
-        return np.asarray(inverse(self.camera.world_from_camera) @ poses)
+        return np.asarray(inverse(placed_at(self.camera)) @ poses)
 
     def photograph(self, supersample: int = 3) -> Rendering:
         """The picture with its depth and segmentation."""
@@ -160,10 +158,15 @@ def _standing(
 
 
 def _upright(at: NDArray[np.float64], rng: np.random.Generator) -> NDArray[np.float64]:
-    yaw = rng.uniform(0, 2 * np.pi)
-    pose = np.eye(4)
-    pose[:2, :2] = [[np.cos(yaw), -np.sin(yaw)], [np.sin(yaw), np.cos(yaw)]]
+    pose = _turned(rng.uniform(0, 2 * np.pi))
     pose[:2, 3] = at
+    return pose
+
+
+def _turned(angle: float) -> NDArray[np.float64]:
+    """(4, 4) turn about the z axis."""
+    pose = np.eye(4)
+    pose[:2, :2] = [[np.cos(angle), -np.sin(angle)], [np.sin(angle), np.cos(angle)]]
     return pose
 
 
@@ -188,34 +191,20 @@ def _aimed(
         side = np.array([np.cos(azimuth) * np.cos(elevation), np.sin(azimuth) * np.cos(elevation), np.sin(elevation)])
         eye = middle + rng.uniform(*DISTANCE) * side
         target = middle + rng.uniform(-0.3, 0.3, 3)
-        camera_from_world = _rolled(look_at(eye, target, (0, 0, 1)), np.radians(rng.uniform(-ROLL, ROLL)))
+        camera_from_world = _turned(np.radians(rng.uniform(-ROLL, ROLL))) @ look_at(eye, target, (0, 0, 1))
         camera = replace(template, world_from_camera=inverse(camera_from_world))
-        if eye[2] > 0.1 and _in_view(bodies, camera) and _in_reach(bodies[:shapes], eye):
+        away = [float(np.linalg.norm(b.vertices_world.mean(axis=0) - eye)) for b in bodies[:shapes]]
+        reached = all(DISTANCE[0] <= d <= DISTANCE[1] for d in away)
+        if eye[2] > 0.1 and reached and _in_view(bodies, camera):
             return camera
     return None
 
 
-def _rolled(camera_from_world: NDArray[np.float64], angle: float) -> NDArray[np.float64]:
-    roll = np.eye(4)
-    roll[:2, :2] = [[np.cos(angle), -np.sin(angle)], [np.sin(angle), np.cos(angle)]]
-    return np.asarray(roll @ camera_from_world)
-
-
-def _in_reach(bodies: Sequence[Body], eye: NDArray[np.float64]) -> bool:
-    away = [float(np.linalg.norm(b.vertices_world.mean(axis=0) - eye)) for b in bodies]
-    return all(DISTANCE[0] <= d <= DISTANCE[1] for d in away)
-
-
 def _in_view(bodies: Sequence[Body], camera: Camera) -> bool:
-    if camera.world_from_camera is None:
-        return False
-    camera_from_world = inverse(camera.world_from_camera)
-    for body in bodies:
-        uv = camera.project(transform_points(camera_from_world, body.vertices_world))
-        last = np.array([camera.width - 1, camera.height - 1]) - MARGIN
-        if not ((uv >= MARGIN) & (uv <= last)).all():
-            return False
-    return True
+    camera_from_world = inverse(placed_at(camera))
+    last = np.array([camera.width - 1, camera.height - 1]) - MARGIN
+    places = (camera.project(transform_points(camera_from_world, body.vertices_world)) for body in bodies)
+    return all(((uv >= MARGIN) & (uv <= last)).all() for uv in places)
 
 
 def _as_wanted(fractions: Sequence[float], placement: Placement) -> bool:

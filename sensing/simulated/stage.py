@@ -21,7 +21,7 @@ from sensing.errors import SceneError
 from sensing.simulated.body import Body
 from sensing.simulated.physics import client, has_physics
 from sensing.simulated.raycast import Cast, Caster
-from sensing.simulated.surroundings import Light, brightness, shading_normals
+from sensing.simulated.surroundings import Light, brightness, placed_at, shading_normals
 
 Shot = tuple[NDArray[np.uint8], NDArray[np.int32], NDArray[np.float32]]
 
@@ -125,7 +125,7 @@ class _Sight:
     """The pixels of a picture ``supersample`` times as large, as rays in the world frame of length 1 along the optical axis."""
 
     def __init__(self, camera: Camera, supersample: int, bodies: Sequence[Body]) -> None:
-        self._world_from_camera = _pose(camera)
+        self._world_from_camera = placed_at(camera)
         self._K = _undistorted(camera, supersample)
         self._bodies = bodies
         self.shape = camera.height * supersample, camera.width * supersample
@@ -170,8 +170,26 @@ class _TinyRenderer:
         self._bullet, self._number, self._numbers, self._light = bullet, number, numbers, light
 
     def shoot(self, camera: Camera, supersample: int) -> Shot:
-        """Draw all."""
-        return _shoot(self._bullet, self._number, camera, supersample, self._light)
+        """Draw all; in the segmentation stand pybullet's numbers of the bodies."""
+        width, height = camera.width * supersample, camera.height * supersample
+        answer = self._bullet.getCameraImage(
+            width,
+            height,
+            view_matrix(camera),
+            projection_matrix(camera, supersample, NEAR, FAR),
+            lightDirection=(self._light.unit * 1e3).tolist(),
+            lightColor=[1, 1, 1],
+            shadow=0,
+            lightAmbientCoeff=0.0,
+            lightDiffuseCoeff=1.0,
+            lightSpecularCoeff=0.0,
+            renderer=self._bullet.ER_TINY_RENDERER,
+            physicsClientId=self._number,
+        )
+        colour = np.asarray(answer[2], np.uint8).reshape(height, width, 4)[:, :, 2::-1]
+        buffer = np.asarray(answer[3], np.float32).reshape(height, width)
+        depth = FAR * NEAR / (FAR - (FAR - NEAR) * buffer)
+        return colour, np.asarray(answer[4], np.int32).reshape(height, width), depth.astype(np.float32)
 
     def alone(self, which: int, camera: Camera) -> NDArray[np.int32]:
         """Draw all with the others far away."""
@@ -181,7 +199,7 @@ class _TinyRenderer:
             for n, (at, quat) in zip(self._numbers, places, strict=True):
                 away = at if n == self._numbers[which] else (0.0, 0.0, 1e4)
                 bullet.resetBasePositionAndOrientation(n, away, quat, **client_)
-            return _shoot(bullet, self._number, camera, 1, self._light)[1]
+            return self.shoot(camera, 1)[1]
         finally:
             for n, (at, quat) in zip(self._numbers, places, strict=True):
                 bullet.resetBasePositionAndOrientation(n, at, quat, **client_)
@@ -190,6 +208,7 @@ class _TinyRenderer:
 def _add_body(bullet: Any, number: int, body: Body, light: Light, texture_file: Path) -> int:  # noqa: ANN401 - pybullet is untyped
     """Put one body into the client: every triangle has its own three vertices, so that facets are flat."""
     import cv2
+    from scipy.spatial.transform import Rotation
 
     mesh = body.mesh
     if len(mesh.triangles) > MAX_TRIANGLES:
@@ -206,7 +225,10 @@ def _add_body(bullet: Any, number: int, body: Body, light: Light, texture_file: 
         rgbaColor=[*mesh.colour, 1.0],
         physicsClientId=number,
     )
-    at, quat = body.world_from_body[:3, 3].tolist(), _quat_xyzw(body.world_from_body[:3, :3])
+    at, quat = (
+        body.world_from_body[:3, 3].tolist(),
+        Rotation.from_matrix(body.world_from_body[:3, :3]).as_quat().tolist(),
+    )
     placed: int = bullet.createMultiBody(
         0, baseVisualShapeIndex=shape, basePosition=at, baseOrientation=quat, physicsClientId=number
     )
@@ -217,44 +239,9 @@ def _add_body(bullet: Any, number: int, body: Body, light: Light, texture_file: 
     return placed
 
 
-def _shoot(
-    bullet: Any,  # noqa: ANN401 - pybullet is untyped
-    number: int,
-    camera: Camera,
-    supersample: int,
-    light: Light,
-) -> tuple[NDArray[np.uint8], NDArray[np.int32], NDArray[np.float32]]:
-    """Colour (h, w, 3) blue first, segmentation (h, w) by pybullet's body number, depth (h, w) metres, at the supersampled size."""
-    width, height = camera.width * supersample, camera.height * supersample
-    answer = bullet.getCameraImage(
-        width,
-        height,
-        view_matrix(camera),
-        projection_matrix(camera, supersample, NEAR, FAR),
-        lightDirection=(light.unit * 1e3).tolist(),
-        lightColor=[1, 1, 1],
-        shadow=0,
-        lightAmbientCoeff=0.0,
-        lightDiffuseCoeff=1.0,
-        lightSpecularCoeff=0.0,
-        renderer=bullet.ER_TINY_RENDERER,
-        physicsClientId=number,
-    )
-    colour = np.asarray(answer[2], np.uint8).reshape(height, width, 4)[:, :, 2::-1]
-    buffer = np.asarray(answer[3], np.float32).reshape(height, width)
-    depth = FAR * NEAR / (FAR - (FAR - NEAR) * buffer)
-    return colour, np.asarray(answer[4], np.int32).reshape(height, width), depth.astype(np.float32)
-
-
-def _quat_xyzw(R: NDArray[np.float64]) -> list[float]:
-    from scipy.spatial.transform import Rotation
-
-    return [float(x) for x in Rotation.from_matrix(R).as_quat()]
-
-
 def view_matrix(camera: Camera) -> list[float]:
     """OpenGL view matrix, column-major, of a camera with a pose in the world; raises SceneError where it has none."""
-    return _columns(_GL_FROM_CV @ np.linalg.inv(_pose(camera)))
+    return _columns(_GL_FROM_CV @ np.linalg.inv(placed_at(camera)))
 
 
 def projection_matrix(camera: Camera, supersample: int, near: float, far: float) -> list[float]:
@@ -270,12 +257,6 @@ def projection_matrix(camera: Camera, supersample: int, near: float, far: float)
     P[2, 2], P[2, 3] = -(far + near) / (far - near), -2 * far * near / (far - near)
     P[3, 2] = -1
     return _columns(P)
-
-
-def _pose(camera: Camera) -> NDArray[np.float64]:
-    if camera.world_from_camera is None:
-        raise SceneError("camera: has no pose in the world (T_world_camera)")
-    return np.asarray(camera.world_from_camera, np.float64)
 
 
 def _undistorted(camera: Camera, supersample: int) -> NDArray[np.float64]:

@@ -13,6 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from geometry.camera import Camera
+from sensing.errors import SceneError
 from sensing.simulated.body import Body
 
 
@@ -93,7 +94,7 @@ def draw_surroundings(camera: Camera, bodies: Sequence[Body], light: Light, look
 
 def floor_depth(camera: Camera) -> NDArray[np.float32]:
     """(H, W) depth along the optical axis at which each pixel's ray meets the floor, metres; inf where it does not."""
-    world_from_camera = _pose(camera)
+    world_from_camera = placed_at(camera)
     rays = _pixel_rays(camera)
     falling = rays @ world_from_camera[2, :3]
     with np.errstate(divide="ignore", invalid="ignore"):
@@ -111,9 +112,8 @@ def noise_texture(rng: np.random.Generator, shape: tuple[int, int], cells: Seque
     return (total - total.mean()) / max(float(total.std()), 1e-6)
 
 
-def _pose(camera: Camera) -> NDArray[np.float64]:
-    from sensing.errors import SceneError
-
+def placed_at(camera: Camera) -> NDArray[np.float64]:
+    """world_from_camera (4, 4). Raises SceneError where the camera has no pose in the world."""
     if camera.world_from_camera is None:
         raise SceneError("camera: has no pose in the world (T_world_camera)")
     return np.asarray(camera.world_from_camera, dtype=np.float64)
@@ -125,17 +125,11 @@ def _pixel_rays(camera: Camera) -> NDArray[np.float64]:
     return np.stack([u, v, np.ones_like(u)], axis=-1) @ np.linalg.inv(camera.K).T
 
 
-def _floor_from_pixel(camera: Camera) -> NDArray[np.float64]:
-    """(3, 3) homography from pixels (u, v, 1) to floor points (x, y, 1) in metres."""
-    camera_from_world = np.linalg.inv(_pose(camera))
-    return np.linalg.inv(np.asarray(camera.K) @ camera_from_world[:3, [0, 1, 3]])
-
-
 def _floor(camera: Camera, look: Surroundings, rng: np.random.Generator) -> NDArray[np.float32]:
     """(H, W, 3) floor without shadows; above the horizon of no account."""
     texture = look.floor + look.contrast * noise_texture(rng, (TEXELS, TEXELS), (12, 40, 130, 400))
     depth = np.minimum(floor_depth(camera), 10 * HAZE_METRES)[:, :, None]
-    at = (_pixel_rays(camera) * depth) @ _pose(camera)[:3, :3].T + _pose(camera)[:3, 3]
+    at = (_pixel_rays(camera) * depth) @ placed_at(camera)[:3, :3].T + placed_at(camera)[:3, 3]
     texel = _mirrored(at[:, :, :2] * (TEXELS / FLOOR_METRES)).astype(np.float32)
     return np.asarray(
         cv2.remap(texture.astype(np.float32), texel[:, :, 0], texel[:, :, 1], cv2.INTER_LINEAR), np.float32
@@ -158,7 +152,8 @@ def _shadow(camera: Camera, bodies: Sequence[Body], light: Light) -> NDArray[np.
     mask = np.zeros((camera.height, camera.width), np.uint8)
     lamp = light.unit
     if lamp[2] > 0.1:
-        pixel_from_floor = np.linalg.inv(_floor_from_pixel(camera))
+        camera_from_world = np.linalg.inv(placed_at(camera))
+        pixel_from_floor = np.linalg.inv(np.linalg.inv(np.asarray(camera.K) @ camera_from_world[:3, [0, 1, 3]]))
         for body in bodies:
             points = body.vertices_world
             ground = points[:, :2] - points[:, 2:] * lamp[:2] / lamp[2]

@@ -3,8 +3,9 @@ import math
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from pydantic import TypeAdapter
 
-from kb.files.values import ANGLES, LENGTHS, angle, length, number, unit_of_length
+from kb.files.values import ANGLES, LENGTHS, Units, angle, length, number
 
 
 @pytest.mark.parametrize(
@@ -52,9 +53,9 @@ def test_what_is_no_number_is_refused(wrong):
 
 
 def test_units_of_a_mesh_are_named():
-    assert unit_of_length("mm") == "mm"
+    assert TypeAdapter(Units).validate_python("mm") == "mm"
     with pytest.raises(ValueError, match="must be one of m, dm, cm, mm"):
-        unit_of_length("furlong")
+        TypeAdapter(Units).validate_python("furlong")
 
 
 @given(st.floats(-1e6, 1e6), st.sampled_from(sorted(LENGTHS)))

@@ -27,8 +27,7 @@ from plogic.base.errors import InputError
 from plogic.base.jobs import ChildDiedError, afresh
 from plogic.base.remembered import ROOT, cache_folder, forget_files_beside, source_digest, sources
 from plogic.face.shown.options import Learning
-from sensing.detectors.edge_sides import edge_sides
-from sensing.detectors.keypoint_detector import described
+from sensing.detectors.keypoint_detector import described, edge_sides
 from sensing.detectors.keypoints import Keypoints
 from sensing.errors import SensingError
 from sensing.files.whole_files import write_whole

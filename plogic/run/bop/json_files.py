@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from geometry.files.plain_files import JsonError, fault_of, json_of
+from geometry.files.plain_files import fault_of, json_of
 from geometry.frames import from_rotation_translation
 from plogic.base.errors import InputError
 
@@ -23,10 +23,7 @@ MM = 1000.0
 
 def read_json(path: Path) -> Any:  # noqa: ANN401 - parsed JSON
     """The document of a file. Raises InputError that names it."""
-    try:
-        return json_of(path, LARGEST, "a BOP file holds lists of objects and of numbers")
-    except JsonError as error:
-        raise InputError(str(error)) from None
+    return json_of(path, LARGEST, "a BOP file holds lists of objects and of numbers", InputError)
 
 
 def numbered(path: Path) -> dict[int, Any]:

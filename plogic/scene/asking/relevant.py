@@ -9,8 +9,6 @@ from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from typing import Any
 
-import networkx as nx
-
 from plogic.facts.situation import Situation
 from plogic.facts.spatial import linked
 from plogic.facts.vocabulary import VOCABULARY
@@ -86,6 +84,8 @@ def _inside(term: Any) -> Iterator[Any]:  # noqa: ANN401 - a term of ProbLog's
 def _together(situation: Situation, named: set[str]) -> set[str]:
     """The ids of all hypotheses that hang together with what is named."""
     ids = {h.id for h in situation.hypotheses}
+    import networkx as nx  # not at the start of every command
+
     links = nx.Graph([*situation.overlaps, *situation.rivals, *situation.exclusive])
     links.add_edges_from((x, other) for x, *others in situation.space.on_both for other in others)  # y may hang on z
     links.add_edges_from(() if situation.gravity is None else linked(situation.gravity))

@@ -9,7 +9,7 @@ from typing import Annotated, Any, Literal
 from pydantic import BaseModel, Field, ValidationError
 
 from geometry.camera import Camera, camera_from_dict, camera_mistakes
-from geometry.files.plain_files import JsonError, json_of
+from geometry.files.plain_files import json_of
 from geometry.frames import is_rigid
 from plogic.base.errors import InputError
 from plogic.sequence.constancy.result import SeenFeature, Sighting
@@ -96,10 +96,7 @@ def _seen(
 
 
 def _parsed(path: str) -> object:
-    try:
-        return json_of(path, LARGEST, "it should hold views and what was seen in them")
-    except JsonError as error:
-        raise InputError(str(error)) from None
+    return json_of(path, LARGEST, "it should hold views and what was seen in them", InputError)
 
 
 def _checked(data: object, name: str) -> _PanoramaModel:

@@ -142,7 +142,7 @@ def test_a_bad_gamma_on_stdin_is_called_so(tmp_path, gamma):
         refused(tmp_path, "perceive", "-", "--kb", "towers", "-o", "out.json", stdin=text),
         ["<stdin>: appearances.1.id"],
     )
-    assert_lines(refused(tmp_path, "perceive", "-", "--kb", "towers"), ["<stdin>:1:1: is not JSON"])
+    assert_lines(refused(tmp_path, "perceive", "-", "--kb", "towers"), ["<stdin>:1:1: is no JSON"])
     assert_lines(
         refused(tmp_path, "kb", "measures", "towers", "--gamma", "-", stdin=text), ["<stdin>: appearances.1.id"]
     )
@@ -161,7 +161,7 @@ IMAGES = {
     ("cut.png", "--camera", "camera.json"): "cut.png: the PNG file is cut off after 5000 bytes",
     ("folder.png", "--camera", "camera.json"): "folder.png: cannot be read: Is a directory",
     ("nowhere.json",): "nowhere.json: cannot be read: No such file",
-    ("empty.json",): "empty.json:1:1: is not JSON",
+    ("empty.json",): "empty.json:1:1: is no JSON",
     ("folder.json",): "folder.json: cannot be read: Is a directory",
 }
 

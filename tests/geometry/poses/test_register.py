@@ -5,10 +5,10 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from geometry.camera import Camera
+from geometry.camera import Camera, centred_camera
 from geometry.errors import GeometryError
 from geometry.frames import look_at, pose_error, transform_points
-from geometry.poses.register import centred_camera, register, suspect
+from geometry.poses.register import register, suspect
 
 BOX = np.array([[x, y, z] for x in (0.0, 0.19) for y in (0.0, 0.26) for z in (0.0, 0.075)])
 SEVEN = BOX[1:]

@@ -5,7 +5,6 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from kb.clouds.cloud import part_bodies
 from kb.clouds.lobes import Branch, build_tree, features_of
 from kb.files.folder import shipped
 from kb.files.read import read_kb
@@ -41,7 +40,7 @@ def test_a_part_of_a_part_is_part_of_its_body(towers):
     foot = Branch("object", "foot", "foot", parts=[Branch("feature", "corner", "corner")])
     tree = build_tree(Branch("object", "t2", "t2", parts=[Branch("object", "roof", "roof", parts=[leaf]), foot]))
     features, everything = features_of(tree)
-    nested = part_bodies(replace(kind, tree=tree, features=features, all_features=everything))
+    nested = replace(kind, tree=tree, features=features, all_features=everything).part_bodies
     assert set(nested) == {"roof", "roof/tip", "foot"}
     assert np.array_equal(nested["roof"].vertices, nested["roof/tip"].vertices)
     assert len(nested["roof"].triangles) + len(nested["foot"].triangles) == len(kind.surface.triangles)
@@ -49,6 +48,6 @@ def test_a_part_of_a_part_is_part_of_its_body(towers):
 
 def test_without_a_surface_or_without_parts_there_are_no_bodies(towers):
     kind = towers["t1"]
-    assert part_bodies(replace(kind, surface=None)) == {}
+    assert replace(kind, surface=None).part_bodies == {}
     alone = build_tree(Branch("object", "t1", "t1", parts=[Branch("feature", "corner", "corner")]))
-    assert part_bodies(replace(kind, tree=alone)) == {}
+    assert replace(kind, tree=alone).part_bodies == {}
