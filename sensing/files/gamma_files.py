@@ -19,7 +19,7 @@ from pydantic import BaseModel, ConfigDict, Field, ValidationError, model_valida
 from geometry.camera import Camera, camera_from_dict, camera_mistakes, camera_to_dict
 from geometry.files.plain_files import name_of, parsed_json, text_of
 from sensing.appearance import Appearance, Gamma
-from sensing.detectors.edge_sides import WIDTH as SIDE
+from sensing.detectors.keypoint_detector import WIDTH as SIDE
 from sensing.detectors.keypoints import WIDTHS
 from sensing.errors import GammaError
 from sensing.files.whole_files import write_whole

@@ -17,9 +17,10 @@ from plogic.cycle.delta import Options
 from plogic.match.judged.rivals import DEEP
 
 
-@pytest.mark.parametrize("seed", [7005, 7006, 7008])
-def test_of_more_than_ten_objects_nearly_all_are_found_and_none_is_made_up(seed):
-    posed = scene(few_kb(), seed, CROWD)
+@pytest.mark.parametrize(("seed", "number"), [(7004, (12, 12)), (7024, (12, 12)), (7006, CROWD)])
+def test_of_more_than_ten_objects_nearly_all_are_found_and_none_is_made_up(seed, number):
+    """Of twelve, and of eighteen."""
+    posed = scene(few_kb(), seed, number)
     document = few_types()(posed.gamma, Options(reading="posterior"))
     found = [Found(h["type"], np.array(h["T_camera_object"])) for h in accepted_rows(document)]
     assert len(posed.truths) >= CROWD[0] > len({truth.type for truth in posed.truths}), "several of a type"

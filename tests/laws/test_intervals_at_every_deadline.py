@@ -104,23 +104,32 @@ def test_the_stops_fall_inside_the_wide_path(wide):
     assert len(widths) == 5
 
 
+GIVEN = ("present(h3)", "\\+ noise(a2)")
+GOALS = ("cause(a3, H, F)", "present(h1) ; \\+ present(h2)", "present(h1), \\+ noise(a4)")
+
+
+@pytest.fixture(scope="module")
+def known():
+    """Of a live scene that was given time enough: its worlds, its marginals, and the answers to each goal."""
+    exact = LiveScene(tangle(9))
+    for goal in GIVEN:
+        exact.observe(goal)
+    answers = [{a.goal: a.probability for a in exact.answers(goal)} for goal in GOALS]
+    assert all(answers)
+    return exact.worlds(2**9), exact.marginals(), answers
+
+
 @pytest.mark.parametrize("checks", [0, 300, 500, 800])
-def test_live_scenes_wherever_inference_stops(checks):
-    subject = tangle(9)
-    given_ = ("present(h3)", "\\+ noise(a2)")
-    goals = ("cause(a3, H, F)", "present(h1) ; \\+ present(h2)", "present(h1), \\+ noise(a4)")
-    exact, hurried = LiveScene(subject), LiveScene(subject)
-    exact.observe(given_[0])
-    exact.observe(given_[1])
-    known = [{a.goal: a.probability for a in exact.answers(goal)} for goal in goals]
-    assert all(known)
+def test_live_scenes_wherever_inference_stops(known, checks):
+    worlds, marginals, told = known
+    hurried = LiveScene(tangle(9))
     with stopped(checks, 2.0):
-        hurried.observe(given_[0], seconds=LONG)
-        hurried.observe(given_[1], seconds=LONG)
-        assert_contains(hurried.worlds(5, seconds=LONG), exact.worlds(2**9))
+        for goal in GIVEN:
+            hurried.observe(goal, seconds=LONG)
+        assert_contains(hurried.worlds(5, seconds=LONG), worlds)
         found = hurried.marginals(seconds=LONG)
-        assert all(holds(found[h], p) for h, (p, _) in exact.marginals().items())
-        for goal, answers in zip(goals, known, strict=True):
+        assert all(holds(found[h], p) for h, (p, _) in marginals.items())
+        for goal, answers in zip(GOALS, told, strict=True):
             intervals = {a.goal: a.interval for a in hurried.answers(goal, seconds=LONG)}
             assert answers.keys() <= intervals.keys()
             assert all(holds(interval, answers.get(text, 0.0)) for text, interval in intervals.items())
