@@ -23,7 +23,8 @@ from plogic.match.gamma import side_looks
 from plogic.match.gamma.grid import screen_angle, wrapped
 from plogic.match.judged.evidence import LEAST_HIT, MOST_HIT, clutter_density, hit_rates, kinds, match_density
 from plogic.match.judged.rivals import distinct_poses
-from plogic.match.learned import agreement, looks, sides
+from plogic.match.learned import agreement, sides
+from plogic.match.learned import learned_match as looks
 from plogic.match.learned import learned_poses as generate
 from plogic.match.learned.agreement import lobes_about, lobes_held
 from plogic.match.learned.learned_match import matched, pose_of

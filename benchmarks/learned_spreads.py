@@ -25,7 +25,8 @@ from geometry.frames import transform_points
 from kb.files.read import read_kb
 from plogic.match.gamma import side_looks
 from plogic.match.gamma.data import data_of
-from plogic.match.learned import agreement, looks, sides
+from plogic.match.learned import agreement, sides
+from plogic.match.learned import learned_match as looks
 from plogic.match.learned import learned_poses as generate
 from plogic.measures import crowding
 from plogic.run.perceive import Perceiver

@@ -7,12 +7,13 @@ round them. A cuboid's corner has 7: one Y, three arrows, three Ls. What stands 
 from __future__ import annotations
 
 from dataclasses import dataclass
+from itertools import combinations
 from typing import TYPE_CHECKING
 
 import networkx as nx
 import numpy as np
 
-from geometry.cones import enclosing_cone, even_directions, spacing
+from geometry.cones import even_directions, spacing
 
 if TYPE_CHECKING:
     from collections.abc import Iterable
@@ -214,3 +215,35 @@ def _arms(surface: Surface, vertex: int) -> tuple[NDArray[np.float64], NDArray[n
             sides.append(normals[facets])
     directions = np.array(lines).reshape(-1, 3)
     return directions / np.linalg.norm(directions, axis=1, keepdims=True), np.array(sides).reshape(-1, 2, 3)
+
+
+GRAIN = 1e-9
+"""Of cosines, below which two are one."""
+
+
+def enclosing_cone(directions: NDArray[np.float64]) -> tuple[NDArray[np.float64], float]:
+    """The axis (3,) and the half-angle, rad, of the least cone round unit ``directions`` (N ≥ 1, 3).
+
+    Exact: a least cone is held by one, two or three of them; the farthest one outside joins the holders until none is.
+    """
+    held = [0]
+    while True:
+        axis, cosine = _held_by(directions[held])
+        reach = directions @ axis
+        farthest = int(reach.argmin())
+        if reach[farthest] >= cosine - GRAIN or farthest in held:
+            return axis, float(np.arccos(np.clip(min(cosine, reach[farthest]), -1, 1)))
+        held.append(farthest)
+
+
+def _held_by(few: NDArray[np.float64]) -> tuple[NDArray[np.float64], float]:
+    """The least cone round a few directions, by trying every pair and triple: its axis and its half-angle's cosine."""
+    axes = [few[0]] + [a + b for a, b in combinations(few, 2)]
+    for a, b, c in combinations(few, 3):
+        across = np.cross(b - a, c - a)
+        axes += [across, -across]
+    lengths = np.linalg.norm(axes, axis=1)
+    units = np.array(axes)[lengths > GRAIN] / lengths[lengths > GRAIN, None]
+    cosines = (units @ few.T).min(axis=1)
+    best = int(cosines.argmax())
+    return units[best], float(cosines[best])

@@ -50,7 +50,7 @@ class LearnedCloud:
         reference focal length. r_max: (L,) greatest. hit: (L,) how often the detector reported it within the lobe,
         measured. up: (L, 3) unit, perpendicular to the axis: what the keypoint's angle is on the screen, as a direction
         in space. size: (L,) the keypoint's diameter in space; 0 of the side of an edge
-        (``sensing.detectors.edge_sides``), whose ``up`` is across the edge towards
+        (``sensing.detectors.keypoint_detector``), whose ``up`` is across the edge towards
             the side, and of whose descriptor bytes 128 to 132 are its looks, and 133 how much the last of them varied.
         part: (F,) which object of its type's tree the feature belongs to (``kb.clouds.lobes.object_nodes``); 0, the
         whole, where there are no parts. compound: (F,) which compound feature it is a part of (A1;

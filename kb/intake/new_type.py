@@ -20,8 +20,7 @@ from kb.errors import IntakeError
 from kb.files.schema import json_schema
 from kb.files.values import LENGTHS
 from kb.files.write import flow
-from kb.intake.paint import painted_files
-from kb.intake.source import MAX_FILE_BYTES, Source
+from kb.intake.source import MAX_FILE_BYTES, Source, painted_files
 from kb.surfaces.pieces import pieces_of
 from kb.surfaces.repair import Repaired, repaired
 from kb.surfaces.surface import Surface
@@ -140,9 +139,9 @@ def new_type(name: str, source: Source, units: str | None, origin: Path, symmetr
 def _object_text(
     name: str, origin: str, units: str, known: list[str], turns: list[Turn], parts: list[str], *, textured: bool
 ) -> str:
-    paint = ", textured: textured.obj" if textured else ""
+    paint, plain = ", textured: textured.obj" if textured else "", re.sub(r"[^\x20-\x7e]", "?", origin)
     lines = [
-        f"# Made from {_plain(origin)}, in {units}; its frame is kept, its unit is the metre.",
+        f"# Made from {plain}, in {units}; its frame is kept, its unit is the metre.",
         f"object: {flow(name)}",
     ]
     lines += [f"mesh: {{file: mesh.ply, units: m{paint}}}"]
@@ -161,10 +160,6 @@ def _object_text(
     else:
         lines += ["features: []  # by hand, or from the mesh: plogic kb learn"]
     return EDITOR_LINE + "\n".join(lines) + "\n"
-
-
-def _plain(origin: str) -> str:
-    return re.sub(r"[^\x20-\x7e]", "?", origin)
 
 
 def _document(

@@ -140,7 +140,8 @@ def merged(path: Path, visuals: Sequence[Visual]) -> Source:
             notes.append(source)
             continue
         placed = source.moved(visual.root_from_shape @ np.diag([*visual.scale, 1.0]))
-        pieces += [_tinted(piece, visual.colour) for piece in placed.pieces]
+        colour = visual.colour or GREY  # of what has none of its own
+        pieces += [replace(piece, colour=colour) if piece.colour == GREY else piece for piece in placed.pieces]
         notes += source.notes
     if not pieces:
         raise IntakeError(f"{path}: holds no visible shape" + (f": {notes[0]}" if notes else ""))
@@ -174,18 +175,6 @@ def _primitive(visual: Visual) -> Source:
     else:
         mesh = creation.icosphere(subdivisions=3, radius=visual.sizes[0])
     return Source((Piece(np.array(mesh.vertices), np.array(mesh.faces, dtype=np.int64)),))
-
-
-def _tinted(piece: Piece, colour: tuple[int, int, int] | None) -> Piece:
-    """The piece in the description's colour, where it has none of its own."""
-    return replace(piece, colour=colour) if colour is not None and piece.colour == GREY else piece
-
-
-def primitive_sizes(kind: str, sizes: Sequence[float], path: Path) -> tuple[float, ...]:
-    """The sizes of a primitive; raises IntakeError for one that is not above 0."""
-    if not all(size > 0 for size in sizes):
-        raise IntakeError(f"{path}: the sizes of a {kind} must be above 0, not {list(sizes)}")
-    return tuple(sizes)
 
 
 Colour = tuple[int, int, int]
@@ -323,5 +312,7 @@ def _shapes(visual: Element, place: Frame, read: Read, file_key: str, where: str
             yield Visual(place, read(shape, file_key) or "", tuple(scale))
         elif shape.tag in SIZES:
             rows = [numbers(read(shape, key), count, 0.0, f"{what}: {key}") for key, count in SIZES[shape.tag]]
-            sizes = [size for row in rows for size in row]
-            yield Visual(place, kind=shape.tag, sizes=primitive_sizes(shape.tag, sizes, path))
+            sizes = tuple(size for row in rows for size in row)
+            if not all(size > 0 for size in sizes):
+                raise IntakeError(f"{path}: the sizes of a {shape.tag} must be above 0, not {list(sizes)}")
+            yield Visual(place, kind=shape.tag, sizes=sizes)

@@ -115,7 +115,7 @@ BYTES = 138
 
 
 class SeenSides(Protocol):
-    """Sides of one picture, as ``sensing.detectors.edge_sides`` gives them."""
+    """Sides of one picture, as ``sensing.detectors.keypoint_detector`` gives them."""
 
     @property
     def uv(self) -> Floats:

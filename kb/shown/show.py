@@ -92,16 +92,15 @@ def _moved(kind: ObjectType) -> list[float]:
 
 
 def tree_text(kb: KnowledgeBase) -> str:
-    """The trees of all types: a line for each object and feature, one for all the appearances of a feature."""
-    return (
-        "\n".join(line for kind in kb.types for line in (*_tree_lines(kind, "", kind.name, ""), *_learned_lines(kind)))
-        + "\n"
-    )
+    """The trees of all types: a line for each object and feature, one for all the appearances of a feature.
 
-
-def _learned_lines(kind: ObjectType) -> list[str]:
-    """What stands for the features of a learned type: there are too many to list."""
-    return [f"  {line}" for line in learned_summary(kind).lines] if kind.learned is not None else []
+    A few lines stand for the features of a learned type: there are too many to list.
+    """
+    lines: list[str] = []
+    for kind in kb.types:
+        lines += _tree_lines(kind, "", kind.name, "")
+        lines += [f"  {line}" for line in learned_summary(kind).lines] if kind.learned is not None else []
+    return "\n".join(lines) + "\n"
 
 
 def _tree_lines(kind: ObjectType, node: str, label: str, indent: str) -> Iterator[str]:
@@ -152,7 +151,7 @@ def part_rows(kind: ObjectType) -> list[dict[str, Any]]:
     return [
         {
             "name": node.rsplit("/", 1)[-1] or kind.name,
-            "under": _above(kind, node, objects),
+            "under": next((objects[above] for above in kind.tree.predecessors(node)), None),
             "counts": dict(sorted(own.items())),
         }
         for node, own in zip(objects, counts, strict=True)
@@ -166,10 +165,6 @@ def part_of_features(kind: ObjectType) -> list[int]:
 
 def _objects(kind: ObjectType) -> dict[str, int]:
     return {node: index for index, node in enumerate(object_nodes(kind.tree))}
-
-
-def _above(kind: ObjectType, node: str, objects: dict[str, int]) -> int | None:
-    return next((objects[above] for above in kind.tree.predecessors(node)), None)
 
 
 def _parts_of(kind: ObjectType, features: Iterable[Feature]) -> list[int]:
@@ -211,7 +206,10 @@ def tree_document(kb: KnowledgeBase) -> dict[str, Any]:
 
 
 def _type_document(kind: ObjectType) -> dict[str, Any]:
-    surface = kind.surface
+    surface, counts = kind.surface, learned_counts(kind)
+    nodes = [_node_document(kind.tree, node) for node in kind.tree]
+    if kind.learned is not None:
+        nodes = [row | {"learned_features": counts.get(row["id"], 0)} for row in nodes]
     return {
         "name": kind.name,
         "opaque": kind.opaque,
@@ -219,12 +217,8 @@ def _type_document(kind: ObjectType) -> dict[str, Any]:
         "surface": {"facets": len(surface.triangles), "volume": surface.volume} if surface else None,
         "features": feature_counts(kind),
         "learnt": asdict(learned_summary(kind)) if kind.learned is not None else None,
-        "nodes": [_node_document(kind.tree, node) | _own_features(kind, node) for node in kind.tree],
+        "nodes": nodes,
     }
-
-
-def _own_features(kind: ObjectType, node: str) -> dict[str, int]:
-    return {} if kind.learned is None else {"learned_features": learned_counts(kind).get(node, 0)}
 
 
 def _node_document(tree: nx.DiGraph, node: str) -> dict[str, Any]:

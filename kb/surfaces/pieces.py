@@ -9,6 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from kb.surfaces.closing import pieces
 from kb.surfaces.nearness import spread
 from kb.surfaces.surface import Surface
 
@@ -53,13 +54,8 @@ def pieces_of(surface: Surface) -> tuple[Piece, ...]:
 
 def _connected(surface: Surface) -> NDArray[np.intp]:
     """(T,) the number of each triangle's piece: what shares a vertex hangs together."""
-    from scipy.sparse import coo_array
-    from scipy.sparse.csgraph import connected_components
-
     a, b, c = surface.triangles.T
-    rows, columns, count = np.concatenate([a, b]), np.concatenate([b, c]), len(surface.vertices)
-    links = coo_array((np.ones(len(rows)), (rows, columns)), shape=(count, count))
-    number = np.asarray(connected_components(links, directed=False)[1])[a]
+    number = pieces(len(surface.vertices), np.concatenate([a, b]), np.concatenate([b, c]))[a]
     return np.asarray(np.unique(number, return_inverse=True)[1], np.intp)
 
 
@@ -80,9 +76,9 @@ def _joined(surface: Surface, label: NDArray[np.intp], large: NDArray[np.intp]) 
     far, near = cKDTree(spots).query(surface.vertices[surface.triangles[small]].reshape(-1, 3))
     own = np.repeat(label[small], 3)
     order = np.lexsort((far, own))
-    pieces, first = np.unique(own[order], return_index=True)
+    some, first = np.unique(own[order], return_index=True)
     nearest = np.arange(label.max() + 1)
-    nearest[pieces] = label[rest][owner[near[order][first]]]
+    nearest[some] = label[rest][owner[near[order][first]]]
     return nearest[label]
 
 

@@ -19,7 +19,7 @@ from geometry.files.mesh_files import joined_meshes, meshes_of, reason, triangle
 from geometry.visibility.outline import is_closed
 from geometry.visibility.rays import RayMesh, checked_mesh
 from kb.errors import SurfaceError
-from kb.surfaces.closing import LARGEST_HOLE, closed_up, joined_twice
+from kb.surfaces.closing import LARGEST_HOLE, closed_up, joined_twice, pieces
 
 WELD = 1e-6
 """Vertices nearer than this, as a share of the diameter, are one: a texture's seam splits them."""
@@ -141,8 +141,6 @@ def _same_place(vertices: NDArray[np.float64], grain: float) -> tuple[NDArray[np
 
     Those in one cell of a grid of ``grain`` are one first, so that the work is bounded however many stand at one place.
     """
-    from scipy.sparse import coo_array
-    from scipy.sparse.csgraph import connected_components
     from scipy.spatial import cKDTree
 
     if not grain > 0:
@@ -150,8 +148,7 @@ def _same_place(vertices: NDArray[np.float64], grain: float) -> tuple[NDArray[np
     cells = np.floor((vertices - vertices.min(axis=0)) / grain).astype(np.int64)
     _, some, cell = np.unique(cells, axis=0, return_index=True, return_inverse=True)
     pairs = cKDTree(vertices[some]).query_pairs(grain, output_type="ndarray")
-    links = coo_array((np.ones(len(pairs)), (pairs[:, 0], pairs[:, 1])), shape=(len(some), len(some)))
-    label = np.asarray(connected_components(links, directed=False)[1])[cell.ravel()]
+    label = pieces(len(some), pairs[:, 0], pairs[:, 1])[cell.ravel()]
     _, first, place = np.unique(label, return_index=True, return_inverse=True)
     return first, place
 

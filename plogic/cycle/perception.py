@@ -10,7 +10,7 @@ a search is made only for what it leaves (§1, §7).
 from collections import Counter
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from contextlib import ExitStack, closing, suppress
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import NamedTuple
 
 from geometry.arrays import Floats
@@ -18,24 +18,11 @@ from kb.clouds.cloud import KnowledgeBase
 from plogic.base.clock import OutOfTimeError
 from plogic.cycle.choosing import Choice, acceptance, accepted, best_first, chosen, concluded, glance, kept
 from plogic.cycle.judging import compared, judge, judged, left_over, making_way, refusal, set_aside
-from plogic.cycle.state import Cycle, State, Step, Task, Trace, among, considered, free, step_of
+from plogic.cycle.state import Attention, Cycle, State, Step, Task, Trace, among, considered, free, step_of
 from plogic.cycle.support import supported
 from plogic.facts.hypothesis import Hypothesis
 from plogic.match.judged.rivals import hidden_among
 from plogic.match.judged.type_models import Given, TypeModel
-
-
-@dataclass(frozen=True)
-class Attention:
-    """rank(Type), its excess over what clutter alone would give, and the best rank within one view cell.
-
-    All in [−1, 1].
-    """
-
-    type: str
-    rank: float
-    excess: float
-    within_cell: float
 
 
 def attend(models: Iterable[TypeModel], types: Sequence[str], kb: KnowledgeBase) -> list[Attention]:

@@ -10,28 +10,22 @@ Vocabulary, each with an example value:
 * ``Cycle``: the outcome
 """
 
-from __future__ import annotations
-
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
-from typing import TYPE_CHECKING, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 
+from geometry.arrays import Mask
+from kb.clouds.cloud import KnowledgeBase
 from plogic.base.clock import Deadline
+from plogic.facts.document import StepRow
+from plogic.facts.hypothesis import Hypothesis
+from plogic.match.gamma.data import Data
 from plogic.match.judged.rivals import claims, same_place
 from plogic.match.judged.type_models import Request, Search
-
-if TYPE_CHECKING:
-    from collections.abc import Iterable, Mapping, Sequence
-
-    from geometry.arrays import Mask
-    from kb.clouds.cloud import KnowledgeBase
-    from plogic.cycle.perception import Attention
-    from plogic.facts.document import StepRow
-    from plogic.facts.hypothesis import Hypothesis
-    from plogic.match.gamma.data import Data
-    from plogic.match.kinds import Models
+from plogic.match.kinds import Models
 
 
 @dataclass(frozen=True)
@@ -136,6 +130,19 @@ class Task:
         return next((search for models, search in self.searches if hypothesis.type in models), None)
 
 
+@dataclass(frozen=True)
+class Attention:
+    """rank(Type), its excess over what clutter alone would give, and the best rank within one view cell.
+
+    All in [−1, 1].
+    """
+
+    type: str
+    rank: float
+    excess: float
+    within_cell: float
+
+
 class Proposal(NamedTuple):
     """A proposed hypothesis.
 
@@ -169,11 +176,11 @@ class State:
     turns: int = 0
     steps: tuple[Step, ...] = ()
 
-    def tells(self, *steps: Step) -> State:
+    def tells(self, *steps: Step) -> "State":
         """The same, with more of the trace."""
         return replace(self, steps=(*self.steps, *steps))
 
-    def proposes(self, found: Iterable[Hypothesis]) -> State:
+    def proposes(self, found: Iterable[Hypothesis]) -> "State":
         """The same, with more to judge."""
         return replace(self, proposals=(*self.proposals, *map(Proposal, found)))
 

@@ -170,23 +170,15 @@ def _named(found: Sequence[Appearance]) -> tuple[Appearance, ...]:
     """The appearances rounded, in their order, with their ids; there are thousands, so they are rounded by columns."""
     u, v = rounded(np.array([a.uv for a in found], float).reshape(-1, 2), 4).T
     angle, scale, score = (
-        _column([getattr(a, name) for a in found], digits)
+        rounded(np.array([getattr(a, name) for a in found], float), digits)  # NaN for None
         for name, digits in (("angle", 5), ("scale", 3), ("score", 4))
     )
     detector, kind = (_places([getattr(a, name) for a in found]) for name in ("detector", "type"))
     order = np.lexsort((np.nan_to_num(scale), np.nan_to_num(angle), kind, u, v, detector))
     places = zip(u[order].tolist(), v[order].tolist(), strict=True)
-    rows = zip(order.tolist(), places, *(_cells(column[order]) for column in (angle, scale, score)), strict=True)
+    columns = [[x if x == x else None for x in column[order].tolist()] for column in (angle, scale, score)]  # noqa: PLR0124 - NaN
+    rows = zip(order.tolist(), places, *columns, strict=True)
     return tuple(_renamed(found[i], f"a{number}", uv, *rest) for number, (i, uv, *rest) in enumerate(rows, start=1))
-
-
-def _column(values: Sequence[float | None], digits: int) -> NDArray[np.float64]:
-    """(N,) the values rounded; NaN for None."""
-    return rounded(np.array(values, float), digits)
-
-
-def _cells(column: NDArray[np.float64]) -> list[float | None]:
-    return [None if x != x else x for x in column.tolist()]  # noqa: PLR0124 - NaN
 
 
 def _places(names: Sequence[str]) -> NDArray[np.intp]:

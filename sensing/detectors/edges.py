@@ -183,7 +183,7 @@ def find_segments(channels: Sequence[NDArray[np.float32]]) -> Floats:
     and another shows longer is reported once, the longer.
     """
     raw = [
-        np.concatenate([_sharp_edges(channels[0]), _weak_edges(channels[0])]),
+        np.concatenate([_lsd(channels[0], 0.8, 1.6, MIN_LENGTH), _weak_edges(channels[0])]),
         *(_weak_edges(c) for c in channels[1:]),
     ]
     found = np.concatenate(
@@ -204,10 +204,6 @@ def _covered(longer: Floats, others: Floats) -> Mask:
     t, across = np.sort(ends @ along, axis=1), np.abs(ends @ normal).max(axis=1)
     shared = np.minimum(t[:, 1], length) - np.maximum(t[:, 0], 0)
     return np.asarray((across < 2.0) & (shared > 0.5 * (t[:, 1] - t[:, 0])))
-
-
-def _sharp_edges(grey: NDArray[np.float32]) -> Floats:
-    return _lsd(grey, 0.8, 1.6, MIN_LENGTH)
 
 
 def _weak_edges(grey: NDArray[np.float32]) -> Floats:

@@ -3,20 +3,202 @@
 * ``described(image, "sift")``: both as arrays
 * ``KeypointDetector("sift")``: with a vocabulary of visual words (``WordIndex``) an appearance's type is the name of
   the word that is nearest to its descriptor, without one it is ``sift`` or ``orb``.
+
+The side of an edge is the edge as seen from one of its two sides, by the colours of that side alone.
+What lies beyond the outline of an object changes from place to place; what lies within does not. So an edge gives two
+appearances, one a side: each says where the edge runs, on which side of it it speaks for, and of what colour that is,
+near the edge and farther in. How bright it is against the other side is told apart: within an object it comes again.
+Where along an edge they lie is arbitrary, so points are taken densely, and fairly from all parts of the image: no
+textured floor drowns a plain object.
+
+* ``EdgeSides``: N sides as arrays
 """
 
-from dataclasses import fields, replace
+from dataclasses import dataclass, fields, replace
 from typing import Literal, Protocol
 
+import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from geometry.arrays import Bytes, Mask
+from geometry.arrays import Bytes, Floats, Mask
 from sensing.appearance import Appearance
-from sensing.detectors.edge_sides import edge_points, edge_sides
-from sensing.detectors.keypoints import MOST, Keypoints, colours, grey_of, is_grey, keypoints, sift_at
+from sensing.detectors.keypoints import (
+    DARK,
+    MOST,
+    Keypoints,
+    between,
+    colours,
+    grey_of,
+    is_grey,
+    keypoints,
+    ratios,
+    sift_at,
+)
 from sensing.detectors.regions import MOST as REGIONS
 from sensing.detectors.regions import regions
+
+
+def fairly(uv: Floats, cell: float) -> NDArray[np.intp]:
+    """(N,) order of what is at places (N, 2), the best first: by turns the best left and the next cell's best left.
+
+    Cells are ``cell`` pixels wide.
+
+    The cells' turns: the first of every cell of the image, then the second of every one, and so on.
+    """
+    column, row = np.floor(uv / cell).astype(np.intp).T + 1
+    number = row * (column.max(initial=0) + 1) + column
+    order = np.argsort(number, kind="stable")
+    turn, place = np.empty(len(uv), np.intp), np.empty(len(uv), np.intp)
+    turn[order] = np.arange(len(uv)) - np.searchsorted(number[order], number[order])
+    place[np.argsort(turn, kind="stable")] = np.arange(len(uv))
+    return np.argsort(np.minimum(2 * np.arange(len(uv)), 2 * place + 1), kind="stable")
+
+
+SMOOTH = 1.0
+"""Pixels, standard deviation: noise below this size makes no edge."""
+LEAST = 1.5
+"""Grey levels a pixel that an edge must rise."""
+BORDER = 5
+"""Pixels of the image's margin without edges: as far as blur and slope reach."""
+
+
+@dataclass(frozen=True)
+class EdgePoints:
+    """``uv`` (N, 2) pixels; ``angle`` (N,) radians of the gradient, from dark to bright, clockwise from +x.
+
+    ``rise`` (N,) grey levels a pixel.
+    """
+
+    uv: Floats
+    angle: Floats
+    rise: Floats
+
+
+def edge_points(image: Bytes, cell: int, most: int, least: float = LEAST) -> EdgePoints:
+    """The strongest point of an edge in each square cell of an image, ``cell`` pixels wide.
+
+    At most ``most``, the strongest first.
+
+    It rises by more than ``least`` grey levels a pixel. A point is where the gradient is greatest along its own
+    direction, to a part of a pixel. Of an image (H, W, 3) the gradient is that of the channel in which it is greatest,
+    so that colours of one brightness have an edge between them too.
+    """
+    if min(image.shape[:2]) <= 2 * BORDER:
+        return EdgePoints(np.zeros((0, 2)), np.zeros(0), np.zeros(0))
+    gx, gy = _gradient(image)
+    rise = np.hypot(gx, gy)
+    inner = np.zeros(rise.shape, bool)
+    inner[BORDER:-BORDER, BORDER:-BORDER] = True
+    y, x = np.nonzero((rise > least) & inner)
+    here = rise[y, x].astype(float)
+    across = np.column_stack([gx[y, x], gy[y, x]]) / here[:, None]
+    ahead, behind = (_between(rise, np.column_stack([x, y]) + sign * across) for sign in (1.0, -1.0))
+    ridge = (here >= ahead) & (here > behind)
+    x, y, here, across, ahead, behind = x[ridge], y[ridge], here[ridge], across[ridge], ahead[ridge], behind[ridge]
+    bend = np.minimum(ahead + behind - 2.0 * here, -1e-6)
+    uv = np.column_stack([x, y]) + np.clip(0.5 * (behind - ahead) / bend, -0.5, 0.5)[:, None] * across
+    order = np.argsort(-here, kind="stable")
+    cells = (y[order] // cell) * rise.shape[1] + x[order] // cell
+    best = order[np.sort(np.unique(cells, return_index=True)[1])[:most]]
+    return EdgePoints(uv[best], np.arctan2(across[best, 1], across[best, 0]), here[best])
+
+
+def _gradient(image: Bytes) -> tuple[NDArray[np.float32], NDArray[np.float32]]:
+    """(H, W) grey levels a pixel along x and y."""
+    smooth = np.asarray(cv2.GaussianBlur(image.astype(np.float32), (0, 0), SMOOTH), np.float32)
+    gx, gy = (
+        np.asarray(cv2.Sobel(smooth, cv2.CV_32F, *order, ksize=3) / 8.0, np.float32) for order in ((1, 0), (0, 1))
+    )
+    if image.ndim == 2:
+        return gx, gy
+    steepest = (gx * gx + gy * gy).argmax(axis=2)[..., None]
+    return np.take_along_axis(gx, steepest, 2)[..., 0], np.take_along_axis(gy, steepest, 2)[..., 0]
+
+
+def _between(values: NDArray[np.float32], at: Floats) -> Floats:
+    """(N,) of an (H, W) array between its pixels, at places (N, 2) inside it."""
+    x, y = np.floor(at).astype(np.intp).T
+    a, b = (at - np.floor(at)).T
+    upper = values[y, x] * (1.0 - a) + values[y, x + 1] * a
+    lower = values[y + 1, x] * (1.0 - a) + values[y + 1, x + 1] * a
+    return np.asarray(upper * (1.0 - b) + lower * b)
+
+
+DEPTHS = (2.5, 6.0)
+"""Pixels from the edge at which its side's colour is taken: beyond the blur of the edge, and farther in."""
+BROAD = 1.5
+"""Pixels, standard deviation of what is averaged there."""
+WIDTH = 2 * len(DEPTHS) + 1
+"""Bytes of a side's looks: its colours, and its brightness against that beyond the edge."""
+GAIN = 40.0
+"""Bytes for a factor of e between the brightness of the two sides."""
+MOST_EDGES = 5000
+"""Points of edges, with two sides each, that one image gives at most."""
+BLOCK = 32
+"""Pixels: half of these are the strongest of each block of the image, in turns, so that no textured floor drowns a
+plain object."""
+NOISY = 0.75
+"""Grey levels a pixel that an edge must rise for each grey level of noise: what noise alone makes rises more in few
+cells of 5 pixels."""
+_LAPLACE = np.array([[1, -2, 1], [-2, 4, -2], [1, -2, 1]], np.float32)
+_CALM = 8, 0.1
+"""Pixels of a cell, and the share of cells that are taken for plain: noise is measured in them."""
+
+
+@dataclass(frozen=True)
+class EdgeSides:
+    """N sides, those of the strongest edges first.
+
+    Attributes:
+        uv: (N, 2) pixels, on the edge. angle: (N,) radians in [0, 2π), clockwise on the screen from +x, across the edge
+        towards this side. rise: (N,) grey levels a pixel by which the edge rises, in the channel in which it rises
+        most. looks: (N, 5) how red and how blue the side is against green, near and farther in
+        (``sensing.detectors.keypoints.ratios``), and how bright it is near
+            the edge against what is beyond, 128 for no difference.
+    """
+
+    uv: Floats
+    angle: Floats
+    rise: Floats
+    looks: Bytes
+
+    def __len__(self) -> int:
+        return len(self.uv)
+
+
+def edge_sides(image: Bytes, cell: int, most: int = MOST_EDGES) -> EdgeSides:
+    """Both sides of the strongest edge in each square cell of an (H, W, 3) image, blue first, ``cell`` pixels wide.
+
+    ``most`` edges at most.
+    """
+    points = edge_points(image, cell, image.size, max(LEAST, NOISY * noise(image)))
+    chosen = fairly(points.uv, BLOCK)[:most]
+    at, rise, across = points.uv[chosen], points.rise[chosen], points.angle[chosen]
+    uv = np.repeat(at, 2, axis=0)
+    angle = np.mod(np.repeat(across, 2) + np.tile([0.0, np.pi], len(at)), 2.0 * np.pi)
+    inward = np.column_stack([np.cos(angle), np.sin(angle)])
+    smooth = np.asarray(cv2.GaussianBlur(image.astype(np.float32), (0, 0), BROAD), np.float32)
+    near, far = (between(smooth, uv + depth * inward) for depth in DEPTHS)
+    bright = np.log(near.mean(axis=1) + DARK)
+    contrast = bright - bright.reshape(-1, 2)[:, ::-1].ravel()  # a side's other side is the one beside it
+    against = np.clip(np.rint(128.0 + GAIN * contrast), 0, 255).astype(np.uint8)
+    return EdgeSides(uv, angle, np.repeat(rise, 2), np.column_stack([ratios(near), ratios(far), against]))
+
+
+def noise(image: Bytes) -> float:
+    """Standard deviation of an (H, W, 3) image's noise in its plainest cells, grey levels, in the channel that has most of it.
+
+    Immerkaer, Fast Noise Variance Estimation (1996), cell by cell.
+    """
+    cell, share = _CALM
+    if min(image.shape[:2]) < 2 * cell:
+        return 0.0
+    bent = cv2.blur(np.abs(cv2.filter2D(image.astype(np.float32), -1, _LAPLACE)), (cell, cell))[
+        cell // 2 :: cell, cell // 2 :: cell
+    ]
+    return float(np.sqrt(np.pi / 2.0) / 6.0 * np.quantile(bent.reshape(-1, 3), share, axis=0).max())
+
 
 CELL = 5
 """Pixels between points along an edge: half as far from one as it may lie from where another picture has it."""

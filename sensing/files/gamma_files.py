@@ -19,7 +19,7 @@ from pydantic import BaseModel, ConfigDict, Field, ValidationError, model_valida
 from geometry.camera import Camera, camera_from_dict, camera_mistakes, camera_to_dict
 from geometry.files.plain_files import name_of, parsed_json, text_of
 from sensing.appearance import Appearance, Gamma
-from sensing.detectors.edge_sides import WIDTH as SIDE
+from sensing.detectors.keypoint_detector import WIDTH as SIDE
 from sensing.detectors.keypoints import WIDTHS
 from sensing.errors import GammaError
 from sensing.files.whole_files import write_whole
@@ -143,7 +143,7 @@ def _line(loc: tuple[int | str, ...], message: str, value: object) -> str:
 
 
 def _content_mistakes(data: object, camera: Camera | None, vocabulary: Collection[str] | None) -> list[str]:
-    """Mistakes that the shape of the document cannot show: ids given twice, places outside the image, types the KB has not."""
+    """Mistakes beyond the document's shape: ids given twice, places outside the image, types the KB has not."""
     rows = data.get("appearances") if isinstance(data, dict) else None
     lines: list[str] = []
     first: dict[str, int] = {}

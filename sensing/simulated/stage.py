@@ -170,8 +170,26 @@ class _TinyRenderer:
         self._bullet, self._number, self._numbers, self._light = bullet, number, numbers, light
 
     def shoot(self, camera: Camera, supersample: int) -> Shot:
-        """Draw all."""
-        return _shoot(self._bullet, self._number, camera, supersample, self._light)
+        """Draw all; in the segmentation stand pybullet's numbers of the bodies."""
+        width, height = camera.width * supersample, camera.height * supersample
+        answer = self._bullet.getCameraImage(
+            width,
+            height,
+            view_matrix(camera),
+            projection_matrix(camera, supersample, NEAR, FAR),
+            lightDirection=(self._light.unit * 1e3).tolist(),
+            lightColor=[1, 1, 1],
+            shadow=0,
+            lightAmbientCoeff=0.0,
+            lightDiffuseCoeff=1.0,
+            lightSpecularCoeff=0.0,
+            renderer=self._bullet.ER_TINY_RENDERER,
+            physicsClientId=self._number,
+        )
+        colour = np.asarray(answer[2], np.uint8).reshape(height, width, 4)[:, :, 2::-1]
+        buffer = np.asarray(answer[3], np.float32).reshape(height, width)
+        depth = FAR * NEAR / (FAR - (FAR - NEAR) * buffer)
+        return colour, np.asarray(answer[4], np.int32).reshape(height, width), depth.astype(np.float32)
 
     def alone(self, which: int, camera: Camera) -> NDArray[np.int32]:
         """Draw all with the others far away."""
@@ -181,7 +199,7 @@ class _TinyRenderer:
             for n, (at, quat) in zip(self._numbers, places, strict=True):
                 away = at if n == self._numbers[which] else (0.0, 0.0, 1e4)
                 bullet.resetBasePositionAndOrientation(n, away, quat, **client_)
-            return _shoot(bullet, self._number, camera, 1, self._light)[1]
+            return self.shoot(camera, 1)[1]
         finally:
             for n, (at, quat) in zip(self._numbers, places, strict=True):
                 bullet.resetBasePositionAndOrientation(n, at, quat, **client_)
@@ -219,35 +237,6 @@ def _add_body(bullet: Any, number: int, body: Body, light: Light, texture_file: 
         texture = bullet.loadTexture(str(texture_file), physicsClientId=number)
         bullet.changeVisualShape(placed, -1, textureUniqueId=texture, physicsClientId=number)
     return placed
-
-
-def _shoot(
-    bullet: Any,  # noqa: ANN401 - pybullet is untyped
-    number: int,
-    camera: Camera,
-    supersample: int,
-    light: Light,
-) -> tuple[NDArray[np.uint8], NDArray[np.int32], NDArray[np.float32]]:
-    """Colour (h, w, 3) blue first, segmentation (h, w) by pybullet's body number, depth (h, w) metres, at the supersampled size."""
-    width, height = camera.width * supersample, camera.height * supersample
-    answer = bullet.getCameraImage(
-        width,
-        height,
-        view_matrix(camera),
-        projection_matrix(camera, supersample, NEAR, FAR),
-        lightDirection=(light.unit * 1e3).tolist(),
-        lightColor=[1, 1, 1],
-        shadow=0,
-        lightAmbientCoeff=0.0,
-        lightDiffuseCoeff=1.0,
-        lightSpecularCoeff=0.0,
-        renderer=bullet.ER_TINY_RENDERER,
-        physicsClientId=number,
-    )
-    colour = np.asarray(answer[2], np.uint8).reshape(height, width, 4)[:, :, 2::-1]
-    buffer = np.asarray(answer[3], np.float32).reshape(height, width)
-    depth = FAR * NEAR / (FAR - (FAR - NEAR) * buffer)
-    return colour, np.asarray(answer[4], np.int32).reshape(height, width), depth.astype(np.float32)
 
 
 def view_matrix(camera: Camera) -> list[float]:

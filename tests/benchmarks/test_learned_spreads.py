@@ -9,7 +9,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from plogic.match.learned import looks
+from plogic.match.learned import learned_match as looks
 
 FOLDER = Path(__file__).parent.parent.parent / "benchmarks"
 

@@ -23,8 +23,7 @@ from kb.shown.cautions import compound_sizes, compounds_text
 from plogic.base.errors import InputError
 from plogic.base.jobs import ChildDiedError, afresh
 from plogic.base.remembered import ROOT, cache_folder, forget_files_beside, source_digest, sources
-from sensing.detectors.edge_sides import edge_sides
-from sensing.detectors.keypoint_detector import described
+from sensing.detectors.keypoint_detector import described, edge_sides
 from sensing.errors import SensingError
 from sensing.files.whole_files import write_whole
 from sensing.simulated.body import read_mesh

@@ -14,8 +14,8 @@ from plogic.face.session.results import Answers, Worlds
 from plogic.logic.served.engine import TOO_DEEP, Limits, Text
 from plogic.run.sources import program_text_of, rules_from
 from plogic.scene.asking.explanations import Account, Reason, explain, present
-from plogic.scene.asking.query import Subject, answers, answers_until
-from plogic.scene.readings.unfinished import stopped_of, with_notice
+from plogic.scene.asking.query import Subject, answers, answers_until, stopped_of
+from plogic.scene.readings.unfinished import with_notice
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence

@@ -19,8 +19,8 @@ from plogic.logic.served.engine import Answer, Limits, Process, ProgramRanking, 
 from plogic.logic.served.outline import Outline, Predicate, outline_of, outline_request
 from plogic.scene.asking.explanations import Account, explain
 from plogic.scene.asking.live import LiveScene
-from plogic.scene.asking.query import Subject, answers, subject_text
-from plogic.scene.readings.unfinished import proved, stopped_of
+from plogic.scene.asking.query import Subject, answers, stopped_of, subject_text
+from plogic.scene.readings.unfinished import proved
 from plogic.scene.text.program_text import program_text
 from plogic.scene.worlds.ranked_worlds import Ranking, ranked_worlds
 

@@ -24,7 +24,8 @@ from plogic.face.session.minds import mind_of
 from plogic.logic.safety.atoms import is_ground, one_line, tokens
 from plogic.logic.served.engine import Answer, Limits
 from plogic.run.sources import program_text_of
-from plogic.scene.readings.unfinished import REASONS, opened, proved, stopped_of
+from plogic.scene.asking.query import stopped_of
+from plogic.scene.readings.unfinished import REASONS, opened, proved
 from sensing.files.whole_files import write_whole
 
 if TYPE_CHECKING:

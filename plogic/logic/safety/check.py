@@ -5,8 +5,6 @@ findall/3 and the like. It says all that is wrong at once. What a program builds
 call(X)``) is for the second layer (``engine``).
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 from dataclasses import dataclass, field
 from functools import lru_cache

@@ -21,7 +21,7 @@ from geometry.arrays import Floats, Indices, Mask
 from plogic.base.clock import unhurried
 from plogic.match.gamma.data import Columns, Data, blocks
 from plogic.match.gamma.grid import wrapped
-from plogic.match.hand.view_cells import ViewCells, distance_maps, votes
+from plogic.match.hand.view_cells import ALL, LOOSE, DistanceMaps, ViewCells, distance_maps
 
 ARM_TOLERANCE = np.radians(16.0)
 """How far an arm may lie from the edge that the nearest cell predicts: half a cell's width plus the detector's
@@ -202,6 +202,35 @@ def _words(angles: Floats) -> NDArray[np.uint64]:
         bits = np.where(middle >= 0, np.uint64(1) << ((middle + offset) % BINS).astype(np.uint64), np.uint64(0))
         words |= np.bitwise_or.reduce(bits, axis=1) if bits.shape[1] else np.uint64(0)
     return words
+
+
+def places_of(pairs: Pairs, cells: ViewCells, data: Data, features: Indices | slice = ALL) -> NDArray[np.float32]:
+    """(N, F, 2) ideal pixels where each coarse pose puts each of ``features``: the cell's picture, turned, scaled and laid on the first datum."""
+    at = cells.xy[pairs.cell, pairs.feature].astype(np.float32)[:, None]
+    model = cells.xy.astype(np.float32)[:, features][pairs.cell] - at
+    cos = (pairs.scale * np.cos(pairs.roll)).astype(np.float32)[:, None]
+    sin = (pairs.scale * np.sin(pairs.roll)).astype(np.float32)[:, None]
+    places = np.empty_like(model)
+    places[..., 0] = cos * model[..., 0] - sin * model[..., 1]
+    places[..., 1] = sin * model[..., 0] + cos * model[..., 1]
+    places += data.ideal[pairs.datum].astype(np.float32)[:, None]
+    return places
+
+
+def votes(
+    pairs: Pairs,
+    cells: ViewCells,
+    maps: DistanceMaps,
+    weights: Floats,
+    data: Data,
+    features: Indices | slice = ALL,
+) -> Floats:
+    """(N,) Σ weight of the visible ones of ``features``, each by how near its nearest datum is, in units of their whole weight."""
+    value = (cells.visible * weights).astype(np.float32)[:, features]
+    distance = maps.seen_at(places_of(pairs, cells, data, features), features)[0].astype(np.float32)
+    near = np.maximum(0.0, 1.0 - distance / (LOOSE * cells.diameter * pairs.scale).astype(np.float32)[:, None])
+    whole = np.maximum(value.sum(axis=1), 1e-12)
+    return np.asarray((value[pairs.cell] * near).sum(axis=1) / whole[pairs.cell], dtype=float)
 
 
 MOST_OF_CELL = 4_000

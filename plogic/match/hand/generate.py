@@ -10,10 +10,10 @@ import numpy as np
 from geometry.poses.refine import refined_poses
 from plogic.base.clock import unhurried
 from plogic.match.gamma.data import Data, project_ideal
-from plogic.match.hand.correspondences import Pairs, linked_pairs, open_pairs
+from plogic.match.hand.correspondences import Pairs, linked_pairs, open_pairs, votes
 from plogic.match.hand.extend import Candidates, coarse_poses, extend, firsts
 from plogic.match.hand.triples import image_triples, triple_poses
-from plogic.match.hand.view_cells import DistanceMaps, best_apart, distance_maps, pose_votes, votes
+from plogic.match.hand.view_cells import DistanceMaps, best_apart, distance_maps, pose_votes
 from plogic.match.judged.evidence import evidence
 from plogic.match.judged.expectation import matched, pose_of
 from plogic.match.judged.rivals import distinct, distinct_poses

@@ -6,32 +6,23 @@ lobes that contain one common viewpoint, so that sets taken inside a cell are co
 Typed distance maps answer that for all pairs at once: one map for each set of appearance types that some feature has.
 
 * ``view_cells(object_type)``: the cells of a type
-* ``votes``: for pairs in view cells
 * ``pose_votes``: for whole poses, in true perspective; ``best_apart``: the best of them that are not alike
 """
 
-from __future__ import annotations
-
+from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import cv2
 import numpy as np
+from numpy.typing import NDArray
 
+from geometry.arrays import Floats, Indices, Mask
+from kb.clouds.cloud import ObjectType
 from kb.clouds.lobes import feature_in_lobe
 from plogic.base.clock import unhurried
 from plogic.match.gamma.data import Data, project_ideal, viewpoints_of
-
-if TYPE_CHECKING:
-    from collections.abc import Callable
-
-    from numpy.typing import NDArray
-
-    from geometry.arrays import Floats, Indices, Mask
-    from kb.clouds.cloud import ObjectType
-    from plogic.match.hand.correspondences import Pairs
-
 
 CELLS = 162
 """Directions on the sphere: neighbours are about 15° apart, so that a true viewpoint is mostly within 9° of a cell
@@ -235,35 +226,6 @@ def _one_map(members: Indices, places: Floats, shape: tuple[int, int]) -> tuple[
     owner = np.full(int(label.max()) + 1, -1, dtype=np.int32)
     owner[label[pixels[:, 1], pixels[:, 0]]] = members
     return np.asarray(distance), owner[label]
-
-
-def places_of(pairs: Pairs, cells: ViewCells, data: Data, features: Indices | slice = ALL) -> NDArray[np.float32]:
-    """(N, F, 2) ideal pixels where each coarse pose puts each of ``features``: the cell's picture, turned, scaled and laid on the first datum."""
-    at = cells.xy[pairs.cell, pairs.feature].astype(np.float32)[:, None]
-    model = cells.xy.astype(np.float32)[:, features][pairs.cell] - at
-    cos = (pairs.scale * np.cos(pairs.roll)).astype(np.float32)[:, None]
-    sin = (pairs.scale * np.sin(pairs.roll)).astype(np.float32)[:, None]
-    places = np.empty_like(model)
-    places[..., 0] = cos * model[..., 0] - sin * model[..., 1]
-    places[..., 1] = sin * model[..., 0] + cos * model[..., 1]
-    places += data.ideal[pairs.datum].astype(np.float32)[:, None]
-    return places
-
-
-def votes(
-    pairs: Pairs,
-    cells: ViewCells,
-    maps: DistanceMaps,
-    weights: Floats,
-    data: Data,
-    features: Indices | slice = ALL,
-) -> Floats:
-    """(N,) Σ weight of the visible ones of ``features``, each by how near its nearest datum is, in units of their whole weight."""
-    value = (cells.visible * weights).astype(np.float32)[:, features]
-    distance = maps.seen_at(places_of(pairs, cells, data, features), features)[0].astype(np.float32)
-    near = np.maximum(0.0, 1.0 - distance / (LOOSE * cells.diameter * pairs.scale).astype(np.float32)[:, None])
-    whole = np.maximum(value.sum(axis=1), 1e-12)
-    return np.asarray((value[pairs.cell] * near).sum(axis=1) / whole[pairs.cell], dtype=float)
 
 
 SHARP = 4.0

@@ -16,7 +16,7 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 
 from plogic.match.gamma.data import Columns, Data, centre_of
-from sensing.detectors.edge_sides import fairly
+from sensing.detectors.keypoint_detector import fairly
 
 if TYPE_CHECKING:
     from collections.abc import Mapping

@@ -5,14 +5,19 @@ from collections.abc import Sequence
 from dataclasses import replace
 
 from plogic.base.errors import LimitError, ProgramError, SituationError
-from plogic.facts.situation import Situation, names_of
+from plogic.facts.situation import Situation, Stopped, names_of
 from plogic.logic.safety.atoms import Names
 from plogic.logic.served.engine import Answer, Limits, Text, run, run_until, unknown
-from plogic.scene.readings.unfinished import opened, stopped_of
+from plogic.scene.readings.unfinished import opened
 from plogic.scene.text.program_text import program_text
 
 Subject = Situation | Text
 """What is asked: an interpretation's situation, or a program of a user's own."""
+
+
+def stopped_of(subject: Subject) -> Stopped:
+    """Of what questions are put to; a program was not searched for."""
+    return subject.stopped if isinstance(subject, Situation) else ""
 
 
 def answers(

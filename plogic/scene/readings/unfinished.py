@@ -7,23 +7,19 @@
   hold.
 """
 
-from __future__ import annotations
-
+from collections.abc import Iterable
 from dataclasses import replace
 from typing import TYPE_CHECKING, TypeVar
 
-from plogic.facts.situation import SEARCH, WORLDS, Situation, Stopped
+from plogic.facts.document import HypothesisRow, Interpretation, Listed, Marks, RejectedRow
+from plogic.facts.situation import SEARCH, WORLDS, Stopped
+from plogic.logic.served.engine import Answer
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable
-
-    from plogic.facts.document import HypothesisRow, Interpretation, Listed, Marks, RejectedRow
-    from plogic.logic.served.engine import Answer
-    from plogic.scene.asking.query import Subject
     from plogic.scene.worlds.ranked_worlds import Ranking
 
-    Interval = tuple[float, float]
-    Marked = TypeVar("Marked", bound=Marks)
+Interval = tuple[float, float]
+Marked = TypeVar("Marked", bound=Marks)
 
 OPEN = (0.0, 1.0)
 """What is known of a probability of which nothing is proved."""
@@ -34,11 +30,6 @@ REASONS = {
 FOUND = "probabilities are of what was found by then, and with more time each may be anything in its interval"
 ANEW = "the search was over, and what is told here was weighed anew"
 LISTED = "the search was over, and each probability in the file is the middle of an interval that contains it"
-
-
-def stopped_of(subject: Subject) -> Stopped:
-    """Of what questions are put to; a program was not searched for."""
-    return subject.stopped if isinstance(subject, Situation) else ""
 
 
 def marks(stopped: Stopped) -> Marks:
@@ -76,7 +67,7 @@ def opened(stopped: Stopped, answers: Iterable[Answer]) -> list[Answer]:
     return [replace(answer, interval=proved(stopped, answer.interval)) for answer in answers]
 
 
-def marked(document: Interpretation, ranking: Ranking, stopped: Stopped) -> Interpretation:
+def marked(document: Interpretation, ranking: "Ranking", stopped: Stopped) -> Interpretation:
     """The interpretation, unfinished: with each probability an ``interval`` that contains what more time would give."""
     if stopped != SEARCH:
         return _bounded({**document, **marks(stopped)}, ranking)
@@ -96,7 +87,7 @@ def _within(h: HypothesisRow | RejectedRow, bounds: Interval) -> HypothesisRow |
     return bounded
 
 
-def _bounded(document: Interpretation, ranking: Ranking) -> Interpretation:
+def _bounded(document: Interpretation, ranking: "Ranking") -> Interpretation:
     """Where no world is known to be possible the program may yet be smoothed (§8, trap c), and then nothing is proved."""
     possible = ranking.log_evidence_interval[0] > float("-inf")
     known = {h: bounds if possible else OPEN for h, bounds in ranking.intervals.items()}

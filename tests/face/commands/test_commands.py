@@ -254,7 +254,8 @@ def test_kb_schema_is_a_json_schema(which):
 def test_simulate_twice_gives_the_same_bytes_and_another_seed_does_not(tmp_path):
     for name, seed in (("one", 5), ("second", 5), ("three", 6)):
         scene = "--kb", "towers", "--objects", 2, "--decoys", 1, "--seed", seed
-        run = plogic("simulate", *scene, "-o", name, cwd=tmp_path, PYTHONHASHSEED=str(len(name)))
+        order = {"PYTHONHASHSEED": "38"} if name == "second" else {}
+        run = plogic("simulate", *scene, "-o", name, cwd=tmp_path, **order)
         assert (run.returncode, run.stdout, run.stderr) == (0, "", f"wrote {name}\n")
     one, two, three = (bytes_in(tmp_path / name) for name in ("one", "second", "three"))
     assert one == two

@@ -10,8 +10,7 @@ import trimesh
 from made_meshes import CORNERS, box_triangles, split_box, write_painted
 
 from kb.errors import IntakeError
-from kb.intake.paint import painted_files
-from kb.intake.source import pixels, read_source
+from kb.intake.source import painted_files, pixels, read_source
 
 
 def read_back(tmp_path, files):

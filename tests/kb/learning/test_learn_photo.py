@@ -81,10 +81,11 @@ def in_this_process(done, jobs, _):
 def test_command_learns_what_the_photo_shows(folder, tmp_path, monkeypatch):
     monkeypatch.setattr("plogic.face.authoring.kb_learn_look.afresh", in_this_process)
     monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path / "cache"))
-    monkeypatch.setattr("kb.learning.observations.DIRECTIONS", 16)
-    monkeypatch.setattr("kb.learning.observations.PIXELS", (230.0, 160.0))
-    monkeypatch.setattr("kb.learning.observations.PIXELS", (230.0, 160.0))
-    monkeypatch.setattr("kb.learning.features.PIXELS", (230.0, 160.0))
+    learning = "kb.learning.observations", "plogic.face.authoring.kb_learn_look"
+    for module in learning:
+        monkeypatch.setattr(f"{module}.DIRECTIONS", 16)
+    for module in (*learning, "kb.learning.features"):
+        monkeypatch.setattr(f"{module}.PIXELS", (230.0, 160.0))
     kb = tmp_path / "kb"
     assert run("new", kb)[0] == 0
     code, said = run(

@@ -17,7 +17,7 @@ from test_sides_observed import detect, look, plate
 
 from geometry.camera import Camera
 from kb.learning.observations import ALWAYS, DENSE, FLAT, PICTURES_OF_SIDES, SPARSE, STEEP, _on_plane, _points, observed
-from sensing.detectors.edge_sides import EdgeSides
+from sensing.detectors.keypoint_detector import EdgeSides
 
 SIZE, F = 200, 1500.0
 CAMERA = Camera(SIZE, SIZE, np.array([[F, 0, 99.5], [0, F, 99.5], [0, 0, 1]]), np.zeros(0))

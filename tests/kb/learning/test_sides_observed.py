@@ -30,8 +30,7 @@ from kb.learning.again import (
 )
 from kb.learning.features import PIXELS_WIDE, SAME_WAY, side_places
 from kb.learning.observations import ALWAYS, PICTURES_OF_SIDES, joined, observed
-from sensing.detectors.edge_sides import edge_sides
-from sensing.detectors.keypoint_detector import described
+from sensing.detectors.keypoint_detector import described, edge_sides
 
 SEEDS = st.integers(0, 9999)
 RED = (40, 50, 190)

@@ -8,9 +8,9 @@ import trimesh
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from benchmarks.author.junctions import arms, junction_kinds, junctions
+from benchmarks.author.junctions import arms, enclosing_cone, junction_kinds, junctions
 from benchmarks.author.towers import t2
-from geometry.cones import enclosing_cone, even_directions, spacing
+from geometry.cones import even_directions, spacing
 from kb.surfaces.surface import Surface, welded
 
 

@@ -10,8 +10,8 @@ from hypothesis import strategies as st
 from synthetic import CAMERA, camera_pose, perceiver, scene
 
 from plogic.match.gamma.data import data_of, project_ideal, viewpoints_of
-from plogic.match.hand.correspondences import Pairs, linked_pairs
-from plogic.match.hand.view_cells import best_apart, distance_maps, places_of, pose_votes, seen_cells, sizes, votes
+from plogic.match.hand.correspondences import Pairs, linked_pairs, places_of, votes
+from plogic.match.hand.view_cells import best_apart, distance_maps, pose_votes, seen_cells, sizes
 from sensing.appearance import Appearance
 
 PLACES = st.lists(st.tuples(st.integers(0, 639), st.integers(0, 479)), min_size=1, max_size=6, unique=True)

@@ -29,7 +29,7 @@ from plogic.match.judged.evidence import (
 )
 from plogic.match.learned.agreement import ANGLES, SIZES
 from plogic.match.learned.keypoints import NTH
-from plogic.match.learned.looks import AROUND, BY_CHANCE, GROWTH, RAREST, TURNS
+from plogic.match.learned.learned_match import AROUND, BY_CHANCE, GROWTH, RAREST, TURNS
 
 EXACT = (0.9 * 2 * ANGLES / (sqrt(2 * pi) * TURNS) + 0.1) * (0.9 * 2 * SIZES / (sqrt(2 * pi) * GROWTH) + 0.1)
 """How much likelier the very angle and size are of what is right than of what merely may be."""

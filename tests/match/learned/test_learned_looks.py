@@ -20,8 +20,7 @@ from plogic.match.gamma.grid import screen_angle
 from plogic.match.judged.evidence import clutter_density
 from plogic.match.learned.agreement import ANGLES, ASIDE, GRAZING, SIZES, lobes_about
 from plogic.match.learned.keypoints import FARTHEST, NTH
-from plogic.match.learned.learned_match import pose_of
-from plogic.match.learned.looks import (
+from plogic.match.learned.learned_match import (
     AROUND,
     AS_RIGHT,
     BY_CHANCE,
@@ -32,6 +31,7 @@ from plogic.match.learned.looks import (
     SAME,
     TURNS,
     likeness,
+    pose_of,
     right_pairs,
 )
 

@@ -15,7 +15,7 @@ from random_cloud import random_cloud
 from plogic.match.learned import keypoints as pairs_module
 from plogic.match.learned.keypoints import CELL, CLOSE, EACH, FARTHEST, FARTHEST_BITS, NTH, OFF, pairs_of
 from plogic.match.learned.keypoints import spread as spread_out
-from sensing.detectors.edge_sides import fairly
+from sensing.detectors.keypoint_detector import fairly
 
 FIELDS = ("datum", "lobe", "weight")
 

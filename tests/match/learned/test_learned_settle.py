@@ -19,9 +19,8 @@ from plogic.match.gamma.data import data_of
 from plogic.match.gamma.grid import screen_angle
 from plogic.match.learned.agreement import ANGLES, ASIDE, SIZES, lobes_held
 from plogic.match.learned.keypoints import FARTHEST
-from plogic.match.learned.learned_match import FEWEST, NOISE, WIDE, blur, matched, pose_of
+from plogic.match.learned.learned_match import FEWEST, LOOSER, NOISE, WIDE, blur, matched, pose_of
 from plogic.match.learned.learned_poses import generate
-from plogic.match.learned.looks import LOOSER
 
 
 def posed_of(thing, pose, data):

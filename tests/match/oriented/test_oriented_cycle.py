@@ -30,8 +30,15 @@ def without_angles():
     return Perceiver(replace(kb, rates=replace(kb.rates, sigma_angle=None)))
 
 
+@cache
+def run(perceiving, gamma):
+    """Δ and the trace of one run."""
+    delta, _, trace = perceiving.delta(gamma, Options(reading="posterior"), Stopwatch())
+    return delta, trace
+
+
 def accepted(perceiving, gamma):
-    delta, _, _ = perceiving.delta(gamma, Options(reading="posterior"), Stopwatch())
+    delta, _ = run(perceiving, gamma)
     return [belief for belief in delta.beliefs.values() if belief.status == "accepted"]
 
 
@@ -90,7 +97,7 @@ def test_what_one_search_found_is_accepted_before_there_is_another(monkeypatch):
         return ours(self, left)
 
     monkeypatch.setattr(generate.Search, "proposals", counting)
-    found = accepted(perceiver(), two_objects()[1])
+    found = accepted(Perceiver(clouds().kb), two_objects()[1])
     assert len(found) == 2
     assert asked == [len(two_objects()[1].appearances), asked[0] - sum(int(b.detected.sum()) for b in found)]
 
@@ -135,7 +142,7 @@ def test_a_document_tells_of_what_was_found():
 
 def steps(gamma, perceiving=None):
     """Accepted types and the events of the trace."""
-    delta, _, trace = (perceiving or perceiver()).delta(gamma, Options(reading="posterior"), Stopwatch())
+    delta, trace = run(perceiving or perceiver(), gamma)
     return [b.object_type.name for b in delta.beliefs.values() if b.status == "accepted"], [
         step["event"] for step in trace
     ]

@@ -11,8 +11,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from test_keypoints import texture
 
-from sensing.detectors.edge_sides import edge_points
-from sensing.detectors.keypoint_detector import CELL, EDGE_SIZE, EDGES, RISE, KeypointDetector, described
+from sensing.detectors.keypoint_detector import CELL, EDGE_SIZE, EDGES, RISE, KeypointDetector, described, edge_points
 from sensing.detectors.keypoints import CONTRAST, EDGE, LAYERS, LEAST_SIDE, SIGMA, Keypoints, keypoints, sift_at
 from sensing.detectors.regions import MOST, regions
 from sensing.errors import DetectorError

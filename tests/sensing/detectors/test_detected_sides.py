@@ -18,8 +18,7 @@ from geometry.camera import Camera
 from kb.clouds.words import POINT, SIDE, Words
 from sensing.appearance import Appearance, Gamma
 from sensing.detectors.detector import detect
-from sensing.detectors.edge_sides import WIDTH, edge_sides
-from sensing.detectors.keypoint_detector import CELL, KeypointDetector
+from sensing.detectors.keypoint_detector import CELL, WIDTH, KeypointDetector, edge_sides
 from sensing.errors import GammaError
 from sensing.files.gamma_files import gamma_from_dict, gamma_from_text, gamma_to_dict
 

@@ -14,7 +14,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.special import ndtr
 
-from sensing.detectors.edge_sides import BORDER, LEAST, SMOOTH, edge_points
+from sensing.detectors.keypoint_detector import BORDER, LEAST, SMOOTH, edge_points
 
 SIZE = 48
 ALL = 10_000

@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 from scipy.special import ndtr
 
 from kb.clouds.words import COLOURS as OWN
-from sensing.detectors.edge_sides import (
+from sensing.detectors.keypoint_detector import (
     BLOCK,
     BROAD,
     DEPTHS,

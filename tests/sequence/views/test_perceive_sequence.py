@@ -32,6 +32,21 @@ def names(count=4):
     return [f"f{n}.json" for n in range(1, count + 1)]
 
 
+OF_TWO = (*names(2), "--kb", "towers", "--poses", "poses.json")
+
+
+@pytest.fixture(scope="module")
+def two(frames):
+    """What is told of the first two frames."""
+    return good("perceive", *OF_TWO, cwd=frames)
+
+
+@pytest.fixture(scope="module")
+def two_by_posterior(frames):
+    """What is told of the first two frames in the posterior reading."""
+    return document("perceive", *OF_TWO, "--reading", "posterior", cwd=frames)
+
+
 def test_a_sequence_gives_a_panorama_and_a_line_a_frame(frames, tmp_path):
     done = plogic(
         "perceive",
@@ -66,25 +81,21 @@ def test_a_sequence_gives_a_panorama_and_a_line_a_frame(frames, tmp_path):
     assert "2 recalled" in lines[3]
 
 
-def test_each_view_of_it_is_an_interpretation(frames, tmp_path):
-    told = document(
-        "perceive", *names(2), "--kb", "towers", "--poses", "poses.json", "--reading", "posterior", cwd=frames
-    )
+def test_each_view_of_it_is_an_interpretation(two_by_posterior, tmp_path):
     path = tmp_path / "v2.json"
-    path.write_text(json.dumps(told["views"][1]["interpretation"]))
+    path.write_text(json.dumps(two_by_posterior["views"][1]["interpretation"]))
     worlds = document("worlds", path, "--json")
     assert worlds["worlds"][0]["present"] == ["h1", "h2"]
 
 
-def test_gammas_that_know_their_places_need_no_poses(frames, tmp_path):
+def test_gammas_that_know_their_places_need_no_poses(two, tmp_path):
     for n, angle in enumerate(ANGLES[:2], 1):
         gamma = view(n, turned(angle)).gamma
         write_gamma(
             replace(gamma, camera=replace(gamma.camera, world_from_camera=turned(angle))), tmp_path / f"f{n}.json"
         )
     own = document("perceive", *names(2), "--kb", "towers", cwd=tmp_path)
-    told = document("perceive", *names(2), "--kb", "towers", "--poses", frames / "poses.json", cwd=frames)
-    assert own["objects"] == told["objects"]
+    assert own["objects"] == json.loads(two)["objects"]
 
 
 def test_images_without_poses_are_taken_to_be_from_one_place_and_that_is_said(tmp_path):
@@ -105,7 +116,7 @@ def test_images_without_poses_are_taken_to_be_from_one_place_and_that_is_said(tm
     )
 
 
-def test_poses_of_other_names_go_by_their_order(frames, tmp_path):
+def test_poses_of_other_names_go_by_their_order(frames, two, tmp_path):
     lines = []
     for n, angle in enumerate(ANGLES[:2]):
         pose = turned(angle)
@@ -115,15 +126,12 @@ def test_poses_of_other_names_go_by_their_order(frames, tmp_path):
         lines.append(" ".join(map(str, [1000.5 + n, *pose[:3, 3], *quat])))
     (tmp_path / "tum.txt").write_text("\n".join(lines))
     by_order = document("perceive", *names(2), "--kb", "towers", "--poses", tmp_path / "tum.txt", cwd=frames)
-    by_name = document("perceive", *names(2), "--kb", "towers", "--poses", "poses.json", cwd=frames)
-    poses = [[np.array(o["T_world_object"]) for o in told["objects"]] for told in (by_order, by_name)]
+    poses = [[np.array(o["T_world_object"]) for o in told["objects"]] for told in (by_order, json.loads(two))]
     assert np.allclose(poses[0], poses[1], atol=1e-6)
 
 
-def test_the_same_bytes_twice(frames):
-    command = "perceive", *names(2), "--kb", "towers", "--poses", "poses.json"
-    runs = [good(*command, cwd=frames, PYTHONHASHSEED=seed) for seed in "12"]
-    assert runs[0] == runs[1]
+def test_the_same_bytes_twice(frames, two):
+    assert good("perceive", *OF_TWO, cwd=frames, PYTHONHASHSEED="1") == two
 
 
 @pytest.mark.parametrize(
@@ -145,7 +153,7 @@ def test_what_is_wrong_is_said_in_a_line(frames, arguments, words):
     assert sorted(frames.iterdir()) == before
 
 
-def test_a_frame_that_cannot_be_used_costs_nothing_of_those_before_it(frames, tmp_path):
+def test_a_frame_that_cannot_be_used_costs_nothing_of_those_before_it(frames, two_by_posterior, tmp_path):
     (tmp_path / "f1.json").write_bytes((frames / "f1.json").read_bytes())
     (tmp_path / "f2.json").write_bytes((frames / "f2.json").read_bytes())
     (tmp_path / "f3.json").write_text('{"format": "gamma/1"')
@@ -156,7 +164,7 @@ def test_a_frame_that_cannot_be_used_costs_nothing_of_those_before_it(frames, tm
     assert "f3.json: cannot be used; what is written is of the 2 before it" in done.stderr
     assert "Traceback" not in done.stderr
     told = json.loads((tmp_path / "p.json").read_text())
-    assert told["views"] == document("perceive", *names(2), *more, cwd=tmp_path)["views"]
+    assert told["views"] == two_by_posterior["views"]
     first = plogic("perceive", "f3.json", "f4.json", *more, "-o", "q.json", cwd=tmp_path)
     assert first.returncode == 1
     assert not (tmp_path / "q.json").exists()
