@@ -110,7 +110,7 @@ def turn_about(axis: ArrayLike, angle: float) -> Floats:
 
 
 def motion_about(axis: ArrayLike, at: ArrayLike, angle: float) -> Floats:
-    """The motion (4, 4) that turns by `angle` rad about the line through `at` (3,) along the unit vector `axis` (3,)."""
+    """The motion (4, 4) that turns by `angle` rad about the line through `at` (3,) along a unit `axis` (3,)."""
     turn = turn_about(axis, angle)
     return from_rotation_translation(turn, np.asarray(at) - turn @ np.asarray(at))
 

@@ -1,4 +1,7 @@
-"""Many records made at once, without the garbage collector: it would go through all that the process holds again and again."""
+"""Many records made at once, without the garbage collector.
+
+It would go through all that the process holds again and again.
+"""
 
 import gc
 from collections.abc import Iterator

@@ -1,4 +1,4 @@
-"""What holds for all tests: one thread for products of matrices, ProbLog without its warnings, and a small heap to collect.
+"""Common to all tests: one thread for products of matrices, ProbLog without its warnings, a small heap.
 
 As the commands do (``cli.main``), numpy's library is told to use one thread: our products are many and small, and two
 workers whose threads wait for each other take a third longer. ProbLog brings an old pyparsing, which is imported once,

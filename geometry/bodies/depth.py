@@ -117,7 +117,10 @@ def _mesh(part: Any) -> tuple[Floats, Ints]:  # noqa: ANN401 - as above
 
 
 def _across(triangles: Ints) -> tuple[Ints, Ints]:
-    """Of each edge and each way along it: the facet (E,), and that vertex of the facet beyond it which is not on the edge."""
+    """Of each edge and each way along it.
+
+    The facet (E,), and that vertex of the facet beyond it which is not on the edge.
+    """
     directed = np.concatenate([triangles[:, [0, 1]], triangles[:, [1, 2]], triangles[:, [2, 0]]])
     third = np.concatenate([triangles[:, 2], triangles[:, 0], triangles[:, 1]])
     facet = np.tile(np.arange(len(triangles)), 3)

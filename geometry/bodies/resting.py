@@ -66,7 +66,7 @@ class RestingFaces:
     reach: Floats
 
     def planes(self, pose: Floats) -> tuple[Floats, Floats]:
-        """``up`` (K, 3) and ``offset`` (K,) of the planes that a body at ``pose`` (4, 4) would stand on, in its frame."""
+        """``up`` (K, 3) and ``offset`` (K,) of the planes under a body at ``pose`` (4, 4), in its frame."""
         up = -self.down @ pose[:3, :3].T
         return up, self.reach - up @ pose[:3, 3]
 
@@ -113,7 +113,10 @@ def _middle_of_mass(corners: Floats, inside: Floats) -> Floats:
 
 
 def _over(normal: Floats, reach: Floats, middle: Floats, slack: float) -> NDArray[np.intp]:
-    """Which faces, of normals (T, 3), the middle of mass (3,) is straight above, were they below: its foot is in the body, ``slack`` aside (m)."""
+    """Which faces, of normals (T, 3), the middle of mass (3,) is straight above, were they below.
+
+    Its foot is in the body, ``slack`` aside (m).
+    """
     feet = middle + (reach - normal @ middle)[:, None] * normal
     return np.flatnonzero((feet @ normal.T - reach).max(axis=1) <= slack)
 

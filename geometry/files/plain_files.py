@@ -1,4 +1,6 @@
-"""Whether a path leads to a plain file that may be read, whatever the path: a name too long, links in a circle, a pipe that never ends.
+"""Whether a path leads to a plain file that may be read, whatever the path.
+
+A name too long, links in a circle, a pipe that never ends.
 
 Files that strangers wrote are read within limits: the bytes, the text or the JSON document, or what is wrong with the
 file in one line, as the error that the caller hands in.
@@ -50,7 +52,10 @@ def fault_of(path: Path, limit: int | None = None) -> str | None:
 
 
 def must_be_plain(path: Path | str, error: Callable[[str], Exception], limit: int | None = None) -> None:
-    """Raise ``error`` that names a file and says what forbids to read it; nothing for a plain file of at most ``limit`` bytes."""
+    """Raise ``error`` that names a file and says what forbids to read it.
+
+    Nothing for a plain file of at most ``limit`` bytes.
+    """
     fault = fault_of(Path(path), limit)
     if fault is not None:
         raise error(f"{path}: {fault}")

@@ -2,7 +2,8 @@
 
 What a step is, and what the residuals are: `geometry.poses.reprojection`.
 
-One pose from what several cameras of known places see: least squares in the world's axes (a moving camera, a stereo pair).
+One pose from what several cameras of known places see: least squares in the world's axes (a moving camera, a stereo
+pair).
 
 * ``Sight``: what one camera sees of an object
 """

@@ -125,7 +125,10 @@ def _posed(objects: Floats, seen: Floats, camera: Camera) -> tuple[Floats, float
 
 
 def _starts(objects: Floats, seen: Floats, camera: Camera) -> Floats:
-    """(72, 4, 4) poses: the object turned every way, its middle where the clicks' is, as far as its size tells, all of it in front."""
+    """(72, 4, 4) poses: the object turned every way, all of it in front.
+
+    Its middle is that of the clicks, at the distance that its size tells.
+    """
     turns = (Rotation.create_group("O") * Rotation.from_rotvec([0.4, 0.3, 0.2])).as_matrix()
     nods = Rotation.from_rotvec([[0, 0, 0], [0.7, 0, 0], [0, 0.7, 0]]).as_matrix()
     rotations = (nods[:, None] @ turns[None]).reshape(-1, 3, 3)

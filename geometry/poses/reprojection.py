@@ -1,4 +1,6 @@
-"""How far an object's points reproject from their pixels, and the step that brings them nearer: what refinements of poses are made of.
+"""How far an object's points reproject from their pixels, and the step that brings them nearer.
+
+What refinements of poses are made of.
 
 A step (w, v) turns the object by exp(w) about its own origin, in the camera's axes, and moves that origin by v. The
 residuals are undistorted pixels, so that the Jacobian is that of a pinhole, whatever the lens.
@@ -132,7 +134,10 @@ def normal_equations(seen: Seen, task: Task) -> tuple[Floats, Floats]:
 
 
 def jacobian_of(turned: Floats, placed: Floats, s: Floats, K: Floats) -> Floats:
-    """D pixel / d (w, v), (B, 2 N, 6), of points at `placed` (B, N, 3), of inverse depth `s` (B, N), whose arms to the turn's middle are `turned`."""
+    """D pixel / d (w, v), (B, 2 N, 6), of points at `placed` (B, N, 3), of inverse depth `s` (B, N).
+
+    `turned` are their arms to the turn's middle.
+    """
     by_point = np.zeros((*s.shape, 2, 3))  # d pixel / d point
     by_point[..., :2] = K[:, :2] * s[..., None, None]
     ideal = placed[..., :2] * s[..., None]
@@ -198,7 +203,9 @@ def across(angle: Floats) -> Floats:
 
 
 def information(at: Floats, centre: Floats, weights: Floats, camera: Camera, across: Floats | None = None) -> Floats:
-    """J^T W J (..., 6, 6) of places `at` (..., N, 3) m, before the camera, in its frame, that turn by w rad about `centre` (..., 3) and move by v m.
+    """J^T W J (..., 6, 6) of places `at` (..., N, 3) m in the camera's frame.
+
+    They turn by w rad about `centre` (..., 3) and move by v m.
 
     `weights` (..., N) are 1/variance of their pixels, undistorted; `across` (..., N, 2) as in
     `geometry.poses.refine.refine_poses`.

@@ -33,7 +33,7 @@ ROUNDS = 60  # scalings of rows and columns at most
 
 @dataclass(frozen=True, eq=False)
 class Pairs:
-    """P pairs (model point, image point) that may correspond, of N and M points, ordered by model point, then by image point."""
+    """P pairs (model point, image point) that may correspond, of N and M points, ordered by both."""
 
     model: Ints  # (P,) 0..N-1
     image: Ints  # (P,) 0..M-1

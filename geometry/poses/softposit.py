@@ -128,7 +128,7 @@ def softposit(
     allowed: ArrayLike | None = None,
     annealing: Annealing | None = None,
 ) -> SoftPositResult:
-    """Poses from `points` (N, 3) m in the object's frame, some of them seen among `xy` (M, 2) = x/z, y/z, each from one of K starts.
+    """Poses from `points` (N, 3) m, object frame, some seen among `xy` (M, 2) = x/z, y/z, each from one of K starts.
 
     `start` (K, 4, 4) are rough `camera_from_object`; one that is not finite, not a rotation or has the model's middle
     behind the camera is given
@@ -211,7 +211,7 @@ def _annealed(problem: _Problem, starts: Floats) -> SoftPositResult:
 
 
 def _step(problem: _Problem, state: _State, beta: float) -> tuple[_State, Floats, Mask]:
-    """One step at `beta`: the next state, the rms d (K,) px of the assignment in between, and whether that fixed a pose (K,)."""
+    """One step at `beta`: the next state, the assignment's rms d (K,) px, and whether that fixed a pose (K,)."""
     square, w = _squares(problem, state)
     m = _assigned(problem, square, beta, state.columns)
     S = problem.points
@@ -233,7 +233,10 @@ def _step(problem: _Problem, state: _State, beta: float) -> tuple[_State, Floats
 
 
 def _squares(problem: _Problem, state: _State) -> tuple[Floats, Floats]:
-    """d^2 (K, P) px^2 of each pair, and w (K, N), kept positive: no point may come to lie behind the camera on the way."""
+    """d^2 (K, P) px^2 of each pair, and w (K, N), kept positive.
+
+    No point may come to lie behind the camera on the way.
+    """
     P, model, image = problem.points[:, :3], problem.pairs.model, problem.pairs.image
     turned_points = P @ np.swapaxes(state.rotation, 1, 2)
     zoom = state.zoom[:, None]
@@ -320,7 +323,9 @@ def _straight(rotation: Floats) -> Mask:
 def random_starts(
     points: ArrayLike, xy: ArrayLike, count: int, rng: np.random.Generator | int, *, depth: tuple[float, float]
 ) -> Floats:
-    """`count` poses (count, 4, 4): any rotation, the middle of `points` (N, 3) m in the box about `xy` (M, 2), `depth` m away.
+    """`count` poses (count, 4, 4).
+
+    Any rotation, the middle of `points` (N, 3) m in the box about `xy` (M, 2), `depth` m away.
 
     Depths are uniform in their logarithm between the two bounds. `rng` is a generator, which moves on, or a seed.
 

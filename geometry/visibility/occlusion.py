@@ -1,4 +1,6 @@
-"""The occlusion relation of a posed pair, by exact outlines and depth (§3.5-3.7): ROC-20, and the six coarse ones that it refines.
+"""The occlusion relation of a posed pair, by exact outlines and depth (§3.5-3.7).
+
+ROC-20, and the six coarse ones that it refines.
 
 The outlines decide how the images lie to each other (RCC-8, below); the first surface that a line of
 sight meets decides who is in front on the common interior; ``geometry.visibility.roc`` names the twenty. Exactly one
@@ -8,14 +10,21 @@ order that does not depend on which came first. Where the images share an interi
 
 RCC-8 of two areas of the image at a tolerance (§3.7): which of the eight ways two images can lie to each other.
 
-| relation     | of a to b, at the tolerance t px                                                                       |
+| relation     | of a to b, at the tolerance t px
+|
 |--------------|--------------------------------------------------------------------------------------------------------|
-| DC           | no common interior, and farther than t from each other                                                 |
-| EC           | no common interior, and t or less from each other                                                      |
-| PO           | a common interior, and each sticks out of the other                                                    |
-| TPP, NTPP    | a common interior, a is covered and b sticks out; the boundaries come as near as t (TPP), or not (NTPP) |
-| TPPi, NTPPi  | the converses                                                                                          |
-| EQ           | a common interior, and each is covered by the other                                                    |
+| DC           | no common interior, and farther than t from each other
+|
+| EC           | no common interior, and t or less from each other
+|
+| PO           | a common interior, and each sticks out of the other
+|
+| TPP, NTPP    | a common interior, a is covered and b sticks out; the boundaries come as near as t (TPP), or not (NTPP)
+|
+| TPPi, NTPPi  | the converses
+|
+| EQ           | a common interior, and each is covered by the other
+|
 
 The common interior is what is left of the intersection less a seam of t: what is thinner than 2 t is none. Of two areas
 one is covered by the other if no point of it is farther than t from the other. Read from the top each row says what the
@@ -162,7 +171,7 @@ class Related(NamedTuple):
 
 
 def related(a: Area, b: Area, tolerance: float) -> Related:
-    """Return the one RCC-8 relation of ``a`` to ``b`` at the ``tolerance`` (px), and the common interior less a seam of so much."""
+    """Return the RCC-8 relation of ``a`` to ``b`` at the ``tolerance`` (px), and their common interior less a seam."""
     if a.is_empty or b.is_empty or _boxes_gap(a, b) > tolerance:
         return Related("DC", shapely.Polygon())
     with np.errstate(

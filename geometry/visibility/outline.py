@@ -96,7 +96,7 @@ def facing(corners: Floats, triangles: Ints) -> Mask:
 
 
 def drawn_together(pixels: Floats, triangles: Ints) -> Area:
-    """The union of the images of `triangles` (T, 3), whose corners are at `pixels` (V, 2), or at any other places of a plane."""
+    """The union of the images of `triangles` (T, 3) with corners at `pixels` (V, 2), or at other places of a plane."""
     corners = pixels[triangles]
     facets = facing(corners, triangles)
     if facets.sum() <= _FEW:
@@ -118,7 +118,9 @@ def _clipped(corners: Floats) -> Floats:
 
 
 def contour(pixels: Floats, triangles: Ints) -> Ints:
-    """(E, 2) directed edges, by index into `pixels` (V, 2), that are left of the edges of `triangles` (T, 3) where those of neighbours cancel.
+    """(E, 2) the directed edges of `triangles` (T, 3) that remain where those of neighbours cancel.
+
+    They index `pixels` (V, 2).
 
     Wound all one way; an edge that k triangles run along one way and none the other is there k times.
     """
@@ -133,7 +135,9 @@ def contour(pixels: Floats, triangles: Ints) -> Ints:
 
 
 def winding(points: Floats, starts: Floats, ends: Floats) -> Ints:
-    """(N,) how often the closed lines of directed edges from `starts` (E, 2) to `ends` (E, 2) wind about `points` (N, 2), none on an edge.
+    """(N,) winding numbers about `points` (N, 2), none on an edge, of closed lines of directed edges.
+
+    The edges lead from `starts` (E, 2) to `ends` (E, 2).
 
     Counted along the ray to greater x; each edge is asked only of the points at its height.
     """
@@ -165,7 +169,10 @@ def union_by_contour(pixels: Floats, triangles: Ints) -> Shapes:
 
 
 def _inside(faces: Shapes, lines: Shapes) -> Floats:
-    """(N, 2) a point in each of N faces that lies on none of the `lines`: a slit, two edges that agree but for rounding, parts no face."""
+    """(N, 2) a point in each of N faces that lies on none of the `lines`.
+
+    A slit, two edges that agree but for rounding, parts no face.
+    """
     points = shapely.point_on_surface(faces)
     near = np.flatnonzero(shapely.distance(points, lines) < _SLIT)
     slit = shapely.buffer(lines, _SLIT) if len(near) else None

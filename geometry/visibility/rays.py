@@ -101,7 +101,10 @@ class RayMesh:
 
 @cache
 def _device() -> Any:  # noqa: ANN401 - it has no stubs
-    """The one device of all surfaces: each of its own costs threads, and about a thousand of them are the most that a process can have."""
+    """The one device of all surfaces.
+
+    Each of its own costs threads, and about a thousand of them are the most that a process can have.
+    """
     from embreex.rtcore import EmbreeDevice
 
     _check_room(_DEVICE)

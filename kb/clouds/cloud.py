@@ -62,7 +62,10 @@ class ObjectType:
 
     @property
     def seen_features(self) -> tuple[Feature, ...]:
-        """F features that appearances are matched to, and that ``lobes`` are of: ``features``, but of a learned compound its parts."""
+        """F features that appearances are matched to, and that ``lobes`` are of.
+
+        ``features``, but of a learned compound its parts.
+        """
         return self.features if self.learned_features is None else self.learned_features
 
     @cached_property
@@ -210,7 +213,9 @@ def clutter_prior(types: Sequence[ObjectType], appearance_types: Sequence[str]) 
 
 
 def word_clutter(types: Sequence[ObjectType], words: Sequence[str]) -> dict[str, float]:
-    """Expected keypoints of clutter an image per visual word: ``KEYPOINTS`` in all, shared out by P(dv(F)), each word having one feature at least.
+    """Expected keypoints of clutter an image per visual word.
+
+    ``KEYPOINTS`` in all, shared out by P(dv(F)), each word having one feature at least.
 
     Of the features that keypoints are matched to: a compound has no keypoint besides those of its parts.
     """

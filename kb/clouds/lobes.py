@@ -32,7 +32,9 @@ def freeze(holder: object, **shapes: tuple[int, ...]) -> None:
 
 @dataclass(frozen=True, eq=False)
 class Lobe:
-    """What the detector can see of an appearance (§2.7): unit ``axis`` (3,) in the feature's frame, ``half_angle`` rad, range in m.
+    """What the detector can see of an appearance (§2.7).
+
+    Unit ``axis`` (3,) in the feature's frame, ``half_angle`` rad, range in m.
 
     ``size``: how wide it is that the detector reports, m, by which a datum's ``scale`` tells the distance; NaN where
     nobody said.
@@ -240,7 +242,7 @@ def object_nodes(tree: nx.DiGraph) -> list[str]:
 
 
 def place(tree: nx.DiGraph, node: str) -> NDArray[np.float64]:
-    """object_from_node (4, 4): vector steps add along the path from the maximal object, with the frames' rotations (A2).
+    """object_from_node (4, 4): steps add along the path from the maximal object, with the frames' rotations (A2).
 
     Raises:
         TreeError: for a node that the tree does not have.

@@ -1,4 +1,6 @@
-"""Visual words: the vocabulary of a KB over keypoints' descriptors, so that dv means something: rare words are distinctive (§5.1).
+"""Visual words: the vocabulary of a KB over keypoints' descriptors, so that dv means something.
+
+Rare words are distinctive (§5.1).
 
 * ``Words("sift", centroids)``: W words, ``sift_w0000``, ...; a descriptor's word is the nearest centroid
 """
@@ -31,7 +33,10 @@ _BLOCK = 4096
 
 @dataclass(frozen=True, eq=False)
 class Words:
-    """``centroids`` (W, D) uint8: 128 or 138 bytes of ``sift``, compared by Euclid's distance, or 32 of ``orb``, by Hamming's."""
+    """``centroids`` (W, D) uint8.
+
+    128 or 138 bytes of ``sift``, compared by Euclid's distance, or 32 of ``orb``, by Hamming's.
+    """
 
     detector: str
     centroids: NDArray[np.uint8]
@@ -48,7 +53,7 @@ class Words:
         return np.asarray(~self.centroids[:, :POINT].any(axis=1)) if wide else np.zeros(len(self.centroids), bool)
 
     def nearest_side(self, looks: NDArray[np.uint8], /) -> NDArray[np.int64]:
-        """(N,) index of the word nearest to the looks (N, 5) of sides of edges, among the words of sides, at least one."""
+        """(N,) index of the word nearest to the looks (N, 5) of sides of edges, among one word of sides or more."""
         some = np.flatnonzero(self.sided)
         words = self.centroids[some, POINT : POINT + SIDE].astype(np.float32)
         apart = (words**2).sum(axis=1) - 2.0 * (looks.astype(np.float32) @ words.T)
@@ -76,7 +81,10 @@ def _spread(descriptors: NDArray[np.uint8]) -> NDArray[np.float32]:
 
 
 def learn_words(descriptors: NDArray[np.uint8], seed: int = 0) -> Words:
-    """k-means over descriptors (N, 128), (N, 138) or (N, 32), N ≥ 1: the same descriptors and seed give the same words."""
+    """k-means over descriptors (N, 128), (N, 138) or (N, 32), N ≥ 1.
+
+    The same descriptors and seed give the same words.
+    """
     import cv2
 
     count = max(1, min(MOST, len(descriptors) // PER_WORD))

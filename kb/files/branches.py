@@ -120,7 +120,10 @@ def nodes(raw: object, path: Keys = (), kind: Kind = "object") -> Iterator[tuple
 
 
 def misplaced(raw: object) -> list[Keys]:
-    """The entries of another kind than their list, in nodes whose parts are of several kinds: A1 says all that is wrong with them."""
+    """The entries of another kind than their list, in nodes whose parts are of several kinds.
+
+    A1 says all that is wrong with them.
+    """
     rows = ((path, list(held(item))) for path, _, item in nodes(raw))
     mixed = [(path, entries) for path, entries in rows if len({kind for _, kind, _ in entries}) > 1]
     return [path + step for path, entries in mixed for step, kind, _ in entries if LISTS[str(step[0])] != kind]
@@ -186,7 +189,7 @@ Tables = dict[tuple[str, ...], Mapping[str, object]]
 def cross_mistakes(
     kb: Document, model: KBModel | None, objects: Sequence[Document], *, complete: bool
 ) -> Iterator[Mistake]:
-    """Types of appearances, features and objects that are nowhere declared, and types of objects that are declared twice.
+    """Types of appearances, features and objects that are declared nowhere, and types of objects declared twice.
 
     Where the objects are not ``complete``, some being unreadable, nobody can say which feature and object types are
     unknown.

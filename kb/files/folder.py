@@ -52,7 +52,7 @@ class Document:
     mistakes: tuple[Mistake, ...]
 
     def place(self, path: Sequence[str | int], *, key: bool = False) -> tuple[int, int]:
-        """Line and column, from 1, of the value at ``path`` (of its key, if asked), or of the nearest thing around it."""
+        """Line and column, from 1, of the value at ``path`` (or its key), or of the nearest thing around it."""
         node, mark = self.root, self.root.start_mark if self.root is not None else None
         for depth, step in enumerate(path):
             found = self._child(node, step)

@@ -86,7 +86,7 @@ def check_learned(place: Folder, document: Document, cloud: LearnedCloud | None,
 
 
 def learned_features(cloud: LearnedCloud, words: Words, parts: Sequence[str] = ("",)) -> tuple[Feature, ...]:
-    """Features ``f0001``, ..., ``lid/f0001``, or ``lid/c0001/f0001`` of a compound, each of the type of its dominant word.
+    """Features ``f0001``, ``lid/f0001``, or ``lid/c0001/f0001`` of a compound, each of its dominant word's type.
 
     ``parts``: the objects of the type's tree. Their appearances are in ``learned_lobes``, as arrays.
     """
@@ -102,7 +102,9 @@ def learned_features(cloud: LearnedCloud, words: Words, parts: Sequence[str] = (
 def with_compounds(
     seen: tuple[Feature, ...], cloud: LearnedCloud, words: Words
 ) -> tuple[tuple[Feature, ...], tuple[Feature, ...]]:
-    """The maximal features, and every Feature node, of a learned cloud whose features are ``seen``: a compound before its parts (A1).
+    """The maximal features, and every Feature node, of a learned cloud whose features are ``seen``.
+
+    A compound before its parts (A1).
 
     A compound has the type of the word that dominates its parts' appearances, stands in their middle, and looks like
     any of them.

@@ -1,4 +1,6 @@
-"""Values as an author writes them in ``kb.yaml`` and ``object.yaml``: quantities, names, places, directions, rates, and their JSON Schemas.
+"""Values as an author writes them in ``kb.yaml`` and ``object.yaml``.
+
+Quantities, names, places, directions, rates, and their JSON Schemas.
 
 A quantity is ``'100 deg'``, ``'0.2 m'``, ``'5 cm'``, or a plain number in SI units (m, rad).
 

@@ -1,4 +1,6 @@
-"""An object type's files from a mesh: ``object.yaml``, ``mesh.ply`` and, where it is painted, ``textured.obj`` with its picture.
+"""An object type's files from a mesh.
+
+``object.yaml``, ``mesh.ply`` and, where it is painted, ``textured.obj`` with its picture.
 
 Vocabulary: ``NewType``, the files by name, and what was done, for people and for programs.
 
@@ -85,7 +87,10 @@ EDITOR_LINE = "# yaml-language-server: $schema=../../object.schema.json\n"
 
 @dataclass(frozen=True, eq=False)
 class NewType:
-    """``files`` of the type's folder, and what was done: ``document`` for programs, ``lines`` for people, ``notes`` on what was missing."""
+    """``files`` of the type's folder, and what was done.
+
+    ``document`` for programs, ``lines`` for people, ``notes`` on what was missing.
+    """
 
     name: str
     files: dict[str, bytes]
@@ -261,7 +266,8 @@ appearance_types: [l_junction, y_junction, arrow_junction, t_junction, multi_jun
 # The focal length, in pixels, that the ranges of lobes hold for.
 f_ref: 600
 detector:
-  # Chance that an expected feature is detected, per feature type (0.8 where nothing stands here), such as {{corner: 0.9}}.
+  # Chance that an expected feature is detected, per feature type (0.8 where nothing stands here), such as {{corner:
+  # 0.9}}.
   hit: {{}}
   # Appearances of noise in an image, per appearance type, such as {{patch: 1.5}}.
   clutter: {{}}
@@ -270,8 +276,10 @@ detector:
   match_tolerance: 4.0
 # Chance that an object is there, per object type (0.5 where nothing stands here), such as {{mug: 0.2}}.
 priors: {{}}
-# Whether things rest, as on a table: then what floats is less probable, and what is not found yet is looked for on the plane that others
-# stand on. Instead of true, {{unknown_support: 0.1, ground: 0 m}}: the chance that something unknown holds what floats, the ground's height.
+# Whether things rest, as on a table: then what floats is less probable, and what is not found yet is looked for on the
+# plane that others
+# stand on. Instead of true, {{unknown_support: 0.1, ground: 0 m}}: the chance that something unknown holds what floats,
+# the ground's height.
 gravity: false
 """
 
@@ -283,7 +291,7 @@ RULES = """\
 
 
 def schema_files() -> dict[str, bytes]:
-    """The JSON Schemas that the editor lines of ``kb.yaml`` and ``object.yaml`` point to, by name in the KB's folder."""
+    """The JSON Schemas of the editor lines of ``kb.yaml`` and ``object.yaml``, by name in the KB's folder."""
     return {"kb.schema.json": _schema("kb"), "object.schema.json": _schema("object")}
 
 

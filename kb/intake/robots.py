@@ -74,7 +74,7 @@ def numbers(text: str | None, count: int, default: float, what: str) -> list[flo
 
 
 def frame(xyz: list[float], rpy: list[float]) -> Frame:
-    """parent_from_child (4, 4): turns about the parent's x, y, z by roll, pitch, yaw (rad), then the shift ``xyz`` (m)."""
+    """parent_from_child (4, 4): turns about the parent's x, y, z by roll, pitch, yaw (rad), then ``xyz`` (m)."""
     (cr, cp, cy), (sr, sp, sy) = np.cos(rpy), np.sin(rpy)
     turn = [
         [cy * cp, cy * sp * sr - sy * cr, cy * sp * cr + sy * sr],
@@ -85,7 +85,10 @@ def frame(xyz: list[float], rpy: list[float]) -> Frame:
 
 
 def found_file(folder: Path, name: str) -> Path | None:
-    """The file that a description names: relative to its ``folder``, or, as ``package://NAME/REST`` and ``model://``, beneath a folder above."""
+    """The file that a description names.
+
+    Relative to its ``folder``, or, as ``package://NAME/REST`` and ``model://``, beneath a folder above.
+    """
     rest = re.sub(r"^(file|package|model)://", "", name.strip())
     plain = "://" not in name or name.startswith("file:")
     for place in _places(folder, rest, plain=plain):
@@ -110,7 +113,9 @@ MOST = 2000
 
 @dataclass(frozen=True, eq=False)
 class Visual:
-    """``file`` of a mesh, or a primitive: ``kind`` box, cylinder or sphere with its ``sizes`` (sides; radius and length; radius).
+    """``file`` of a mesh, or a primitive: ``kind`` box, cylinder or sphere with its ``sizes``.
+
+    Sizes are sides; radius and length; radius.
 
     ``scale`` (3,) of the mesh's coordinates; ``root_from_shape`` (4, 4), m; ``colour`` red, green, blue in [0, 255].
     """

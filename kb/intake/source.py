@@ -83,9 +83,11 @@ GREY = (190, 190, 190)
 
 @dataclass(frozen=True, eq=False)
 class Piece:
-    """``vertices`` (V, 3) in the file's unit, ``triangles`` (T, 3), and the paint: a ``picture`` with ``uv`` (V, 2), v upward, or
-    ``colours`` (V, 3) red, green, blue of the vertices, or one ``colour``.
-    """  # noqa: D205 - one object, one sentence
+    """``vertices`` (V, 3) in the file's unit, ``triangles`` (T, 3), and the paint.
+
+    The paint is a ``picture`` with ``uv`` (V, 2), v upward, or ``colours`` (V, 3) red, green, blue of the vertices, or
+    one ``colour``.
+    """
 
     vertices: NDArray[np.float64]
     triangles: NDArray[np.int64]
@@ -272,7 +274,7 @@ def _within(piece: Piece, uv: NDArray[np.float64]) -> tuple[Piece, NDArray[np.fl
 
 
 def _coloured(piece: Piece, cell: int) -> tuple[Piece, NDArray[np.float64], Image]:
-    """A piece without a picture: a cell of the tile for each triangle, its corners' colours blended, or one plain tile."""
+    """A piece without a picture: a cell of the tile for each triangle in blended colours, or one plain tile."""
     if piece.colours is None:
         tile = np.tile(np.array(piece.colour[::-1], dtype=np.uint8), (8, 8, 1))
         return piece, np.full((len(piece.vertices), 2), 0.5), tile

@@ -1,1 +1,1 @@
-"""Learning an object type: from pictures of it, by whatever rendering and detection are handed in, to a cloud of features."""
+"""Learning an object type: from pictures, by any rendering and detection handed in, to a cloud of features."""

@@ -65,7 +65,10 @@ def keypoints_again(first: Seen, others: Sequence[Seen]) -> tuple[Floats, Floats
 
 
 def same(one: Seen, other: Seen) -> tuple[Indices, Indices]:
-    """Indices of the keypoints of ``one`` that ``other`` has as well, and of which they are: the most alike of those that may be."""
+    """Indices of the keypoints of ``one`` that ``other`` has as well, and of which they are.
+
+    The most alike of those that may be.
+    """
     nothing = np.zeros(0, np.intp)
     if not len(one.uv) or not len(other.uv):
         return nothing, nothing

@@ -51,7 +51,7 @@ BY_CHANCE = 0.1
 
 
 class Pictures(NamedTuple):
-    """What learning looked at: an object of a ``diameter`` (m), from ``directions`` of ``even_directions``, at each of the ``ranges`` (K,) m."""
+    """What learning looked at: an object of a ``diameter`` (m), from ``directions``, at ``ranges`` (K,) m."""
 
     diameter: float
     ranges: Floats
@@ -91,7 +91,10 @@ def pictures_held(cloud: LearnedCloud, pictures: Pictures) -> Mask:
 
 
 def widths(cloud: LearnedCloud, diameter: float) -> Floats:
-    """(F,) metres across what each feature is made of: a keypoint's diameter, of its widest lobe, or the stretch that a side stands for."""
+    """(F,) metres across what each feature is made of.
+
+    A keypoint's diameter, of its widest lobe, or the stretch that a side stands for.
+    """
     widest = np.zeros(len(cloud.at))
     np.maximum.at(widest, cloud.feature, np.where(cloud.sided, STRETCH * diameter, cloud.size))
     return widest
@@ -124,7 +127,10 @@ def together(pictures: Mask) -> Shares:
 
 
 def bar(near: Shares, others: Shares) -> float:
-    """The share to which pairs must be found together: the least of the ``near`` ones' (N,) that tells them from ``others`` (M,), or infinite."""
+    """The share to which pairs must be found together.
+
+    The least of the ``near`` ones' (N,) that tells them from ``others`` (M,), or infinite.
+    """
     shares, reach = np.unique(near[near >= OFTEN]), np.sort(others)
     by_chance = (len(others) - np.searchsorted(reach, shares) + 1.0) / (len(others) + 1.0) * len(near)
     qualify = len(near) - np.searchsorted(np.sort(near), shares)
@@ -133,12 +139,17 @@ def bar(near: Shares, others: Shares) -> float:
 
 
 def within_parts(compound: Ints, part: Ints) -> Ints:
-    """(F,) the compounds of features that belong to parts (F,) of a type: what of one is in another part is another, or none (A1)."""
+    """(F,) the compounds of features that belong to parts (F,) of a type.
+
+    What of one is in another part is another, or none (A1).
+    """
     return numbered(np.where(compound > 0, compound * (part.max(initial=0) + 1) + part, 0))
 
 
 def linked(similar: Shares, apart: Floats, qualify: Mask) -> Ints:
-    """(F,) groups of complete linkage, counted from 1, 0 of those that are alone: those most often together first, of equals the nearest.
+    """(F,) groups of complete linkage, counted from 1, 0 of those that are alone.
+
+    Those most often together first, of equals the nearest.
 
     All of a group ``qualify`` (F, F) with each other.
     """
@@ -159,7 +170,7 @@ def linked(similar: Shares, apart: Floats, qualify: Mask) -> Ints:
 
 
 def with_parts(kind: ObjectType, cloud: LearnedCloud) -> LearnedCloud:
-    """The cloud with its features, and what of its compounds is in each, given to the parts of its type's tree that hold no parts.
+    """The cloud with its features and their compounds, given to the atomic parts of its type's tree.
 
     To the whole where there is no other.
     """
@@ -188,7 +199,10 @@ def _nearest(points: NDArray[np.float64], places: NDArray[np.float64]) -> NDArra
 
 
 def _owners(pieces: Sequence[Piece], places: NDArray[np.float64]) -> NDArray[np.intp]:
-    """(P,) which of the ``places`` (N, 3) of parts each piece is: one to one where they are as many, else the nearest."""
+    """(P,) which of the ``places`` (N, 3) of parts each piece is.
+
+    One to one where they are as many, else the nearest.
+    """
     middles = np.array([piece.at for piece in pieces])
     if len(pieces) != len(places):
         return _nearest(middles, places)

@@ -121,7 +121,9 @@ def reaches(seen: Observations) -> Floats:
 
 
 def _best(seen: Observations, groups: list[NDArray[np.intp]]) -> list[int]:
-    """All groups, in turns: the best from each direction, then the second best from each, and so on, so that no side is forgotten for another.
+    """All groups, in turns: the best from each direction, then the second best from each, and so on.
+
+    So no side is forgotten for another.
 
     Best is what was seen most often, in pictures of all sizes and from all sides.
     """
@@ -135,7 +137,7 @@ def _best(seen: Observations, groups: list[NDArray[np.intp]]) -> list[int]:
 
 
 def side_places(seen: Observations, which: NDArray[np.intp], diameter: float) -> list[NDArray[np.intp]]:
-    """Those of the observations ``which`` are sides in groups, each of one stretch of an edge, as far as colours go any; the surest first."""
+    """Observations ``which`` of sides in groups, each of one stretch of an edge, of any colours; surest first."""
     if not len(which):
         return []
     at, up, pixel = seen.at[which], seen.up[which], seen.pixel[which]

@@ -1,4 +1,6 @@
-"""What the detector sees of an object from one direction: keypoints that come again in worse pictures, carried back to its surface.
+"""What the detector sees of an object from one direction.
+
+Keypoints that come again in worse pictures, carried back to its surface.
 
 * ``Observations``: N of them as arrays; ``joined`` puts those of several views together
 * ``View``: one picture of the object alone, with its depth, large; smaller and worse pictures are made of it
@@ -303,7 +305,9 @@ def _points(view: View, place: Floats, cell: NDArray[np.intp]) -> Floats:
 
 
 def _on_plane(view: View, place: Floats, cell: NDArray[np.intp], inner: NDArray[np.intp]) -> Floats:
-    """(N, 3) in the camera's frame: where the rays of places on edges meet the plane of the surface at cells ``inner``, farther in.
+    """(N, 3) in the camera's frame.
+
+    Where the rays of places on edges meet the plane of the surface at cells ``inner``, farther in.
 
     Where the surface at ``cell``, beside the edge, is not that plane, the place is as deep as that cell.
     """

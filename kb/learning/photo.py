@@ -38,7 +38,7 @@ MAX_BYTES = 1_000_000
 
 @dataclass(frozen=True, eq=False)
 class Points:
-    """N correspondences: ``uv`` (N, 2) pixels, ``at`` (N, 3) metres in the object's frame, ``places`` (line, column) of each in ``file``."""
+    """N correspondences: ``uv`` (N, 2) px, ``at`` (N, 3) m, object frame, ``places`` (line, column) in ``file``."""
 
     file: str
     uv: NDArray[np.float64]
@@ -278,7 +278,7 @@ def painted(surface: Surface, photo: Bytes, camera: Camera, camera_from_object: 
 
 
 def _cut(surface: Surface) -> Floats:
-    """(T, 3, 3) corners of triangles with no side longer than what about ``TRIANGLES`` of them cover the surface with."""
+    """(T, 3, 3) corners of triangles whose sides are no longer than about ``TRIANGLES`` of them need on the surface."""
     corners = surface.vertices[surface.triangles]
     area = np.linalg.norm(np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]), axis=1).sum() / 2.0
     longest = 2.5 * np.sqrt(area / TRIANGLES)
@@ -330,7 +330,10 @@ def _texture(photo: Bytes, factor: int) -> Bytes:
 
 
 def on_shown(mesh: PaintedMesh, seen: Observations) -> Observations:
-    """The observations that owe nothing to the grey: on a shown triangle, and not near a grey one that their view shows as well."""
+    """The observations that owe nothing to the grey.
+
+    On a shown triangle, and not near a grey one that their view shows as well.
+    """
     corners = mesh.vertices[mesh.triangles]
     middle = corners.mean(axis=1)
     normal = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])

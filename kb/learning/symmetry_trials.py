@@ -117,7 +117,9 @@ def _fitted(cloud: LearnedCloud, motion: Floats, a: Indices, b: Indices) -> Floa
 
 
 def seen_again(cloud: LearnedCloud, motion: Floats, seen: Observations, directions: Floats) -> float:
-    """Share of the appearances, moved by ``motion`` (4, 4), that new pictures from ``directions`` (V, 3) show, of those that they should.
+    """Share of the appearances due in new pictures from ``directions`` (V, 3) that they show.
+
+    ``motion`` (4, 4) moves the appearances.
 
     By hit rates: what the detector would report of the object in this place, if it stood in that.
     """
@@ -246,7 +248,10 @@ def _looked(trial: Trial, cloud: LearnedCloud, seen: Observations | None, direct
 
 
 def entries(found: Sequence[Trial]) -> list[dict[str, Any]]:
-    """The turns that hold as entries of ``object.yaml``: their axes squared to each other, through one point, so that they close."""
+    """The turns that hold as entries of ``object.yaml``.
+
+    Their axes squared to each other, through one point, so that they close.
+    """
     held = [trial for trial in found if trial.verdict == "holds"]
     if not held:
         return []

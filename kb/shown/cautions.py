@@ -103,7 +103,10 @@ def learned_summary(kind: ObjectType) -> LearnedSummary:
 
 
 def _expected(kind: ObjectType, distance: float) -> np.ndarray[tuple[int], np.dtype[np.intp]]:
-    """(DIRECTIONS,) features with a lobe that holds the viewpoint: lobes were measured on the whole object, so it hides nothing more."""
+    """(DIRECTIONS,) features with a lobe that holds the viewpoint.
+
+    Lobes were measured on the whole object, so it hides nothing more.
+    """
     table = kind.lobes
     centre = kind.surface.centre if kind.surface is not None else table.at.mean(axis=0)
     viewpoints = centre + distance * even_directions(DIRECTIONS)
@@ -220,7 +223,10 @@ def contained_in(small: ObjectType, large: ObjectType) -> bool:
 
 
 def _placements(at: Floats, there: Floats, same: Mask, near: float) -> Iterator[tuple[list[int], list[int]]]:
-    """Up to three features of the one, rare and far apart, with where they may be in the other: types and distances agree."""
+    """Up to three features of the one, rare and far apart, with where they may be in the other.
+
+    Types and distances agree.
+    """
     held = _wide(at, same.sum(axis=1))
     ways: list[list[int]] = [[]]
     for index, feature in enumerate(held):
@@ -285,7 +291,10 @@ def unseen_features(kind: ObjectType) -> list[str]:
 
 
 def most_together(kind: ObjectType) -> int:
-    """The most features, up to ``FIXING_A_POSE``, that were found to share a viewpoint: in their lobes and not Behind the type's own surface."""
+    """The most features, up to ``FIXING_A_POSE``, that were found to share a viewpoint.
+
+    In their lobes and not Behind the type's own surface.
+    """
     table = kind.lobes
     if not len(table.types):
         return 0

@@ -19,7 +19,7 @@ CLOSE = 0.01
 
 
 def check_report(kb: KnowledgeBase) -> list[str]:
-    """A line about the KB, one about each type, and one for each thing that matters (``warning:``) or may be meant otherwise (``note:``)."""
+    """A line about the KB, one about each type, and one for each fault (``warning:``) or ambiguity (``note:``)."""
     words = f", {_count(len(kb.words.names), 'visual word')}" if kb.words is not None else ""
     own = len(kb.appearance_types) - (len(kb.words.names) if kb.words is not None else 0)
     head = f"{kb.name}: {_count(len(kb.types), 'type')}, {_count(own, 'appearance type')}{words}, no mistakes"

@@ -1,4 +1,7 @@
-"""Ints all turned the same way, outward: along each edge the two facets run opposite ways, and what is enclosed is positive."""
+"""Ints all turned the same way, outward.
+
+Along each edge the two facets run opposite ways, and what is enclosed is positive.
+"""
 
 import numpy as np
 from numpy.typing import NDArray
@@ -57,7 +60,9 @@ def _parity(triangles: Ints) -> Ints:
 
 
 def filled(vertices: Floats, triangles: Ints) -> tuple[Floats, Ints, int, int]:
-    """Vertices, triangles, and how many holes were filled and how many left: those larger than ``LARGEST_HOLE`` of the whole.
+    """Vertices, triangles, and how many holes were filled and how many left.
+
+    Those larger than ``LARGEST_HOLE`` of the whole.
 
     A hole is a loop of edges with a facet on one side only. One of three edges gets a triangle, any other a fan about
     its middle.
@@ -138,7 +143,7 @@ def _volumes(vertices: Floats, triangles: Ints) -> Floats:
 
 
 def _neighbours(triangles: Ints) -> tuple[NDArray[np.intp], NDArray[np.intp], Mask]:
-    """The facets on both sides of each edge that has just two, and whether they run along it the same way, which is wrong."""
+    """The facets on both sides of each edge of two facets, and whether they wrongly run along it the same way."""
     directed = np.concatenate([triangles[:, [0, 1]], triangles[:, [1, 2]], triangles[:, [2, 0]]])
     facet = np.tile(np.arange(len(triangles)), 3)
     forward = directed[:, 0] < directed[:, 1]

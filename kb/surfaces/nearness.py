@@ -14,7 +14,10 @@ SLIVER = 20
 
 
 class Nearness:
-    """A surface ready to be asked how far points are: never too near, and too far by no more than the spots are apart."""
+    """A surface ready to be asked how far points are.
+
+    Never too near, and too far by no more than the spots are apart.
+    """
 
     def __init__(self, vertices: Floats, triangles: Ints) -> None:
         from scipy.spatial import cKDTree
@@ -31,7 +34,10 @@ class Nearness:
 
 
 def spread(vertices: Floats, triangles: Ints, count: int) -> tuple[Floats, NDArray[np.intp]]:
-    """About ``count`` points (N, 3) over the surface, evenly by area, along slivers and at least in the middle of each triangle; and whose."""
+    """About ``count`` points (N, 3) over the surface, and whose they are.
+
+    Evenly by area, along slivers, and at least one in the middle of each triangle.
+    """
     corners = vertices[triangles]
     areas = np.linalg.norm(np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]), axis=1)
     longest = np.linalg.norm(corners - np.roll(corners, 1, axis=1), axis=2).max(axis=1)
@@ -50,7 +56,10 @@ def spread(vertices: Floats, triangles: Ints, count: int) -> tuple[Floats, NDArr
 
 
 def _squared(points: Floats, corners: Floats) -> Floats:
-    """Squared distance from points (N, 1, 3) to triangles (N, K, 3, 3): to the plane where its foot is inside, else to the nearest side."""
+    """Squared distance from points (N, 1, 3) to triangles (N, K, 3, 3).
+
+    To the plane where its foot is inside, else to the nearest side.
+    """
     a, b, c = np.moveaxis(corners, 2, 0)
     normal = np.cross(b - a, c - a)
     size = (normal**2).sum(axis=-1)

@@ -65,7 +65,7 @@ def _areas(surface: Surface) -> NDArray[np.float64]:
 
 
 def _joined(surface: Surface, label: NDArray[np.intp], large: NDArray[np.intp]) -> NDArray[np.intp]:
-    """The labels (T,) with every piece that is not among the ``large`` given to the one that comes nearest to one of its corners."""
+    """The labels (T,) with every piece that is not ``large`` given to the one nearest to one of its corners."""
     from scipy.spatial import cKDTree
 
     small = np.flatnonzero(~np.isin(label, large))

@@ -1,4 +1,6 @@
-"""A mesh as it came to a surface that can be reasoned with: welded, cleaned, closed where it can be, outward, and no larger than needed.
+"""A mesh as it came to a surface that can be reasoned with.
+
+Welded, cleaned, closed where it can be, outward, and no larger than needed.
 
 Vocabulary: ``Repaired``, the surface and the numbers of what was done.
 """
@@ -165,7 +167,10 @@ def _decimated(surface: Surface, number: int) -> Surface | None:
 
 
 def deviation(surface: Surface, fewer: Surface) -> float:
-    """The largest distance found between the two, m: from the one's vertices to the other's triangles, and back from points on it."""
+    """The largest distance found between the two, m.
+
+    From the one's vertices to the other's triangles, and back from points on it.
+    """
     there = Nearness(fewer.vertices, fewer.triangles).distance(_some(surface.vertices))
     back = Nearness(surface.vertices, surface.triangles).distance(
         _some(spread(fewer.vertices, fewer.triangles, PROBES)[0])

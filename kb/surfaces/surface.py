@@ -64,7 +64,9 @@ class Surface:
 
     @cached_property
     def closed(self) -> bool:
-        """Whether each edge is run along as often one way as the other: an inside and an outside, and so a volume (§2.8).
+        """Whether each edge is run along as often one way as the other.
+
+        An inside and an outside, and so a volume (§2.8).
 
         Weaker than to be without ``faults``: two bodies that touch along an edge, four facets meeting there, enclose a
             volume

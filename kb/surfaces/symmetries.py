@@ -1,4 +1,4 @@
-"""Symmetries of a type: the group (S, 4, 4) of rigid motions that the author's list means, and the list that a group is written as."""
+"""Symmetries of a type: the group (S, 4, 4) of rigid motions of the author's list, and the list of a group."""
 
 from __future__ import annotations
 
@@ -65,7 +65,10 @@ def _generator(symmetry: SymmetryModel) -> NDArray[np.float64]:
 
 
 def symmetry_entries(group: ArrayLike) -> list[dict[str, Any]]:
-    """What an author would list for ``group`` (S, 4, 4): nothing, one axis with its fold, or every motion but the identity."""
+    """What an author would list for ``group`` (S, 4, 4).
+
+    Nothing, one axis with its fold, or every motion but the identity.
+    """
     moves = [motion for motion in np.asarray(group, dtype=float) if np.abs(motion - np.eye(4)).max() > SAME]
     return _turns(moves) or [_motion(motion) for motion in moves]
 
@@ -152,7 +155,10 @@ def _fold(there: Nearness, probes: Places, centre: Places, axis: Places, near: f
 
 
 def _boxes(surface: Surface) -> list[tuple[Places, Places]]:
-    """The axes (3, 3), a row each, and the centre (3,): of the box along the frame's axes, and of the least one, the likelier first."""
+    """The axes (3, 3), a row each, and the centre (3,).
+
+    Of the box along the frame's axes, and of the least one, the likelier first.
+    """
     from trimesh import bounds
 
     obb: Any = bounds.oriented_bounds

@@ -255,7 +255,7 @@ def _environment(scratch: Path) -> dict[str, str]:
 
 @contextlib.contextmanager
 def ending_well() -> Iterator[None]:
-    """Within it, being told to end (SIGTERM, SIGHUP) raises SystemExit, so that processes end and scratch files go first."""
+    """Let SIGTERM and SIGHUP raise SystemExit within it, so that processes end and scratch files go first."""
     mine = threading.current_thread() is threading.main_thread()
     signals = [s for s in (signal.SIGTERM, signal.SIGHUP) if mine and signal.getsignal(s) is signal.SIG_DFL]
     for number in signals:
@@ -275,7 +275,10 @@ def begin() -> None:
 
 
 def end_with(parent: int) -> None:
-    """Let this process be killed when its parent ends, however that does: by the system (Linux), else by a thread that looks."""
+    """Let this process be killed when its parent ends, however that does.
+
+    By the system (Linux), else by a thread that looks.
+    """
     if not _asked_system():
         Thread(target=_watch, args=(parent,), daemon=True).start()
     if os.getppid() != parent:  # it ended meanwhile
@@ -312,7 +315,9 @@ _LENDING = threading.Lock()
 
 
 def lend(memory: int | None) -> int:
-    """Return the bytes that a child may use: ``memory``, but at most half of what is left to this process, which has so much less.
+    """Return the bytes that a child may use.
+
+    ``memory``, but at most half of what is left to this process, which has so much less.
 
     0 stands for any number, where neither has a limit. ``give_back`` what was lent when the child has ended.
     """

@@ -36,7 +36,10 @@ class _ManyMistakesError(BeliefError):
 
 
 class SituationError(_ManyMistakesError):
-    """A situation contradicts itself: each of ``mistakes`` names the hypothesis or appearance, the rule and the value."""
+    """A situation contradicts itself.
+
+    Each of ``mistakes`` names the hypothesis or appearance, the rule and the value.
+    """
 
 
 class TooManyHypothesesError(SituationError):
@@ -86,7 +89,10 @@ class NegativeCycleError(ProgramError):
 
 
 class OutsideError(ProgramError):
-    """A goal that speaks of choices which a scene's graph has summed out (hits, picks, a rule's own): only the program has them."""
+    """A goal that speaks of choices which a scene's graph has summed out (hits, picks, a rule's own).
+
+    Only the program has them.
+    """
 
 
 class NonGroundError(ProgramError):

@@ -1,4 +1,6 @@
-"""Modules of a user's own that hide ours: a ``geometry.py`` beside a script comes before the package ``geometry`` that plogic brings.
+"""Modules of a user's own that hide ours.
+
+A ``geometry.py`` beside a script comes before the package ``geometry`` that plogic brings.
 
 Nothing of ours but the standard library is imported here: it may be hidden.
 """

@@ -40,7 +40,7 @@ class ChildDiedError(Exception):
 
 
 def processors() -> int:
-    """How many to use: as ``OMP_NUM_THREADS`` says, which other packages heed as well, or else as many as the process may use."""
+    """How many to use: ``OMP_NUM_THREADS``, which other packages heed as well, or as many as the process may use."""
     stated = os.environ.get("OMP_NUM_THREADS", "")
     return int(stated) if stated.isdecimal() and int(stated) > 0 else len(os.sched_getaffinity(0))
 

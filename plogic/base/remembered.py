@@ -40,7 +40,7 @@ _BEGUN = "[a-z0-9_]{8}"
 
 
 def forget_beside(place: Path, folders: int = FOLDERS, most: int = BYTES) -> None:
-    """Delete those siblings of a folder that were used least lately, beyond what is kept, and what was begun and abandoned.
+    """Delete a folder's siblings that were used least lately, beyond the kept ones, and abandoned beginnings.
 
     Nothing else is touched: no file, and no folder of another name.
     """
@@ -193,7 +193,7 @@ def source_digest(root: Path, files: Iterable[str]) -> bytes:
 
 
 def sources(root: Path, first: str, packages: Iterable[str] = OURS) -> set[str]:
-    """Return a source file and all others of ``packages`` that it imports, at its top or in a function, directly or not.
+    """Return a source file and all others of ``packages`` that it imports, in functions too, directly or not.
 
     Names are relative to ``root``. What is imported for the type checker alone is left out. So is the code of objects
     that are made elsewhere and

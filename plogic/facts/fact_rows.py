@@ -1,4 +1,4 @@
-"""Shapes of the facts, ``space`` and ``gravity`` of ``interpretation/1``, and the plain values that all shapes are made of."""
+"""Shapes of the facts, ``space`` and ``gravity`` of ``interpretation/1``, and the plain values of all shapes."""
 
 from typing import Annotated, Literal, NotRequired, TypedDict
 
@@ -54,7 +54,10 @@ class FootRow(TypedDict):
 
 
 class OrderedRow(TypedDict):
-    """The first rests on the second where both are present; or is a feature, ``h1/roof/apex``, and the second is before it."""
+    """The first rests on the second where both are present.
+
+    Or is a feature, ``h1/roof/apex``, and the second is before it.
+    """
 
     fact: Literal["rests_on", "behind"]
     args: Pair

@@ -60,7 +60,9 @@ def expected(seen: Seen | Hypothesis, opaque: bool, hidden: Flags | bool = False
 
 
 def expected(seen: Any, opaque: bool, hidden: Any = False) -> Any:  # noqa: FBT001, FBT002
-    """Return whether a feature is Expected in one world, or in several (D7): truth values, or arrays of them that broadcast.
+    """Return whether a feature is Expected in one world, or in several (D7).
+
+    Truth values, or arrays of them that broadcast.
 
     It projects into the image (``in_image``); the viewpoint is in one of its lobes (``in_lobe``); and it is not Behind
     any opaque object of the world, neither its own host (``self_hidden``, where the host is ``opaque``) nor another
@@ -233,7 +235,10 @@ class Hypothesis:
 
     @cached_property
     def counted(self) -> NDArray[np.float64]:
-        """(F,) for how much of an independent observation each feature counts: of a learned type, shares of what crowds the expected ones."""
+        """(F,) for how much of an independent observation each feature counts.
+
+        Of a learned type, shares of what crowds the expected ones.
+        """
         result = np.ones(len(self.uv))
         if self.turn is not None and self.candidate.any():
             sided = np.zeros(len(self.uv), bool) if self.sided is None else self.sided
@@ -255,7 +260,9 @@ class Hypothesis:
 
     @cached_property
     def stands(self) -> NDArray[np.bool_]:
-        """(F,) which features stand for a maximal one (A1): all but those parts of a learned compound that another part stands for.
+        """(F,) which features stand for a maximal one (A1).
+
+        All but those parts of a learned compound that another part stands for.
 
         A compound looks like any of its parts and takes one appearance, so it is where its surest part is: one in the
         image, that is expected and detected, else expected, else detected; of several the one with the greatest hit

@@ -11,7 +11,8 @@
 Everything here is plain data, of metres, in the camera frame but for the heights of feet; ``plogic.cycle.placing`` and
 ``plogic.cycle.placing`` make it by geometry, and it comes back from ``interpretation.json``.
 
-``exclusions``, ``exclusion_lines`` and ``apart_of`` tell, in numbers and in words, which hypotheses A4 keeps out of each
+``exclusions``, ``exclusion_lines`` and ``apart_of`` tell, in numbers and in words, which hypotheses A4 keeps out of
+each
 other's worlds: the volume that they share, and how deep.
 """
 
@@ -102,7 +103,10 @@ class Gravity:
 
 
 def linked(gravity: Gravity) -> list[tuple[str, str]]:
-    """Pairs of hypotheses of which the one's presence may decide whether the other floats: who may hold whom, who is lower than whom."""
+    """Pairs of hypotheses of which the one's presence may decide whether the other floats.
+
+    Who may hold whom, who is lower than whom.
+    """
     held = [(x, y) for x, y in gravity.rests if y != GROUND]
     return held + [(foot.id, lower) for foot in gravity.feet for lower in gravity.lower(foot.id)]
 
@@ -119,7 +123,10 @@ def gravity_document(gravity: Gravity | None) -> GravityKey:
 
 
 def gravity_facts(gravity: Gravity | None) -> list[FootRow | OrderedRow]:
-    """Its facts, for ``facts`` of the document: ``{"fact": "foot", "args": ["h1"], "low": 0.0, "high": 0.02}``, ``{"fact": "rests_on", ...}``."""
+    """Its facts, for ``facts`` of the document.
+
+    ``{"fact": "foot", "args": ["h1"], "low": 0.0, "high": 0.02}``, ``{"fact": "rests_on", ...}``.
+    """
     if gravity is None:
         return []
     rows: list[FootRow | OrderedRow] = []
@@ -292,7 +299,10 @@ LISTED = 5
 
 
 def exclusions(document: Interpretation) -> list[ExclusionRow]:
-    """The overlap facts of an interpretation: ``{"args": ["h1", "h3"], "volume": 2.1e-05, "depth": 0.012}``, as far as they are known."""
+    """The overlap facts of an interpretation.
+
+    ``{"args": ["h1", "h3"], "volume": 2.1e-05, "depth": 0.012}``, as far as they are known.
+    """
     return [
         cast("ExclusionRow", {key: value for key, value in fact.items() if key != "fact"})
         for fact in document["facts"]
@@ -313,7 +323,10 @@ def exclusion_lines(document: Interpretation) -> list[str]:
 
 
 def apart_of(space: Space, types: Mapping[str, str]) -> dict[str, list[str]]:
-    """Of each hypothesis (``types``: its type by id) a sentence for each that A4 keeps out of its worlds, the deepest first, a few."""
+    """Sentences on the hypotheses that A4 keeps out of each one's worlds, the deepest first, a few.
+
+    ``types``: each hypothesis' type by id.
+    """
     told = by_key(
         (me, f"Never together with {types[other]} {other} (A4): they share {words_of_shared(fact)}.")
         for fact in sorted(space.shared, key=lambda s: (-s.depth[1], s.x, s.y))

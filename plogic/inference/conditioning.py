@@ -82,7 +82,10 @@ def _maximum(table: NDArray[np.float64]) -> tuple[float, NDArray[np.float64]]:
 
 
 def promising(cards: Sequence[int], bound: Bound) -> dict[int, int]:
-    """A joint state that should weigh much: backwards through the buckets, each variable's best state given those already chosen."""
+    """A joint state that should weigh much.
+
+    Backwards through the buckets, each variable's best state given those already chosen.
+    """
     states: dict[int, int] = {}
     for v in reversed(list(bound.buckets)):
         table = np.zeros(cards[v])
@@ -190,7 +193,7 @@ class _Search:
                 self.found.add(constant + log_z, whole)
 
     def restricted(self, node: tuple[int, ...]) -> tuple[float, tuple[Scoped, ...]]:
-        """(log weight of what is settled, the tables of the others) where the first variables of the cutset are fixed."""
+        """(log weight of what is settled, tables of the others) where the first variables of the cutset are fixed."""
         self.clock.check()
         fixed = dict(zip(self.cut.fixed, node, strict=False))
         told = [sliced(scope, table, fixed) for scope, table in self.part.tables]
@@ -240,7 +243,7 @@ class _Search:
 
 
 def _open_by_state(nodes: list[Node], place: int, card: int) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    """(U, V): per state of one variable of the cutset, the bounds of the open nodes where it is, or another is, possible."""
+    """(U, V): bounds of open nodes where a state, or another one, of a variable of the cutset is possible."""
     settled, free = np.zeros(card), 0.0
     for bound, states in nodes:
         if len(states) > place:

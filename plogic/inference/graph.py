@@ -12,7 +12,8 @@ Vocabulary, each with an example value:
 * ``Part((4, 7, 9), (2, 3, 2), (((0, 1), table), ...))``: the variables 4, 7 and 9 of the whole, which are 0, 1 and 2 of
   the part; their cards; and the tables that weigh them, one a scope, in the part's numbering
 
-``aligned`` puts a table's axes where another table has them; ``product``, ``log_sum`` and ``sliced`` compute with tables.
+``aligned`` puts a table's axes where another table has them; ``product``, ``log_sum`` and ``sliced`` compute with
+tables.
 """
 
 import math
@@ -70,7 +71,10 @@ MANY_TABLES = 8  # tables of one scope that are first freed from their greatest 
 
 
 class Part(NamedTuple):
-    """One connected piece: increasing ``variables`` of the whole, their ``cards`` (all ≥ 2), ``tables`` with strictly increasing scopes."""
+    """One connected piece: increasing ``variables`` of the whole, their ``cards`` (≥ 2), and ``tables``.
+
+    Scopes are strictly increasing.
+    """
 
     variables: tuple[int, ...]
     cards: tuple[int, ...]
@@ -155,7 +159,10 @@ Term = TypeVar("Term", bound="tuple[tuple[int, ...], NDArray[Any]]")
 
 
 def aligned(scope: Sequence[int], table: NDArray[np.float64], place: Mapping[int, int]) -> NDArray[np.float64]:
-    """A view of the table (axes by ``scope``) with as many axes as ``place``: each variable's where it says, length 1 elsewhere."""
+    """A view of the table (axes by ``scope``) with as many axes as ``place``.
+
+    Each variable's where it says, length 1 elsewhere.
+    """
     places = [place[v] for v in scope]
     shape = [1] * len(place)
     for axis, length in zip(places, table.shape, strict=True):
@@ -194,7 +201,7 @@ def sliced(scope: Sequence[int], table: NDArray[np.float64], fixed: Mapping[int,
 
 
 def in_groups(terms: Sequence[Term], cards: Sequence[int], bits: float) -> list[list[Term]]:
-    """The tables in groups whose joint table has at most so many bits, the largest first, each to the first group that has room."""
+    """The tables in groups of joint tables of limited bits, the largest first, each in the first group with room."""
     groups: list[tuple[set[int], list[Term]]] = []
     for term in sorted(terms, key=lambda one: -one[1].size):
         for union, group in groups:

@@ -59,7 +59,9 @@ class Cutset(NamedTuple):
 
 
 def cutset(part: Part, order: Order, width: float, most: float, clock: Clock) -> Cutset | None:
-    """Variables whose fixing brings the order's largest table to ``width`` bits: greedily those in the most cells that are too wide.
+    """Variables whose fixing brings the order's largest table to ``width`` bits.
+
+    Greedily those in the most cells that are too wide.
 
     None where they would have more than 2^``most`` joint states; OutOfTimeError past the clock.
     """

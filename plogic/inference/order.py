@@ -54,7 +54,7 @@ def neighbours(count: int, scopes: Iterable[Sequence[int]]) -> list[int]:
 def elimination_order(
     cards: Sequence[int], scopes: Iterable[Sequence[int]], check: Callable[[], None] = lambda: None
 ) -> Order:
-    """The best order found: min-fill's, and past ``EASY`` bits the one of least work among min-fill, a sweep and the numbering.
+    """The best order found: min-fill's, and past ``EASY`` bits the cheapest of min-fill, a sweep and the numbering.
 
     ``check`` is called at every variable, and may raise.
     """
@@ -175,7 +175,10 @@ def _growth(graph: Sequence[int], bits: Sequence[float], fresh: int) -> Callable
 
 
 def _last(graph: Sequence[int], left: int, start: int) -> int:
-    """The last variable that a breadth-first walk reaches: of twice such walks, one far from all others of its piece."""
+    """The last variable that a breadth-first walk reaches.
+
+    Of twice such walks, one far from all others of its piece.
+    """
     seen = level = 1 << start
     while True:
         after = reduce(or_, [graph[v] for v in members(level)]) & left & ~seen
@@ -246,7 +249,10 @@ def bucket_tree(cards: Sequence[int], scopes: Sequence[tuple[int, ...]], order: 
 def _merged(
     cards: Sequence[int], order: Order, turn: dict[int, int]
 ) -> tuple[dict[int, int], dict[int, int], dict[int, list[int]]]:
-    """(parent of each bucket that stays, bucket of every variable, residual of each bucket that stays), a bucket named by its last variable."""
+    """(parent of each bucket that stays, bucket of every variable, residuals of those buckets).
+
+    A bucket is named by its last variable.
+    """
     parents = {v: min(members(order.rests[v]), key=turn.__getitem__, default=-1) for v in order.sequence}
     residuals = {v: [v] for v in order.sequence}
     cells = {v: cards[v] * math.prod([cards[u] for u in members(order.rests[v])]) for v in order.sequence}

@@ -210,7 +210,10 @@ def joint(cards: Sequence[int], tables: Tables) -> Solved:
 
 
 def singles(table: NDArray[np.float64], cards: Sequence[int]) -> tuple[NDArray[np.float64], ...]:
-    """The sums of a joint belief for each of its axes, none above 1 by rounding: each axis is summed away after its own."""
+    """The sums of a joint belief for each of its axes, none above 1 by rounding.
+
+    Each axis is summed away after its own.
+    """
     flat = np.empty(sum(cards))
     ends = list(accumulate(cards))
     for card, end in zip(cards[:-1], ends, strict=False):

@@ -42,7 +42,7 @@ _CHUNK = 64  # states that are decoded together
 
 
 def whole(graph: FactorGraph, tie: float) -> Iterator[tuple[float, tuple[int, ...]]] | None:
-    """All joint states of positive weight with their log weights, those within ``tie`` nats of the first of them by states.
+    """All joint states of positive weight with their log weights; within ``tie`` nats of the first ordered by states.
 
     None where the graph is not small, or some state lies so far below the best that its cost is not known to within
     ``tie``.
@@ -108,7 +108,9 @@ _UNITS = 1 << DIGITS
 
 
 class Ranked:
-    """The joint states, heaviest first, with a deadline of ``seconds`` from now: an iterator that stops early once it has passed.
+    """The joint states, heaviest first, with a deadline of ``seconds`` from now.
+
+    An iterator that stops early once it has passed.
 
     Of the last ties before the deadline some may be missing, and others stand in their place; otherwise what came is a
     prefix.

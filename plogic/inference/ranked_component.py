@@ -1,4 +1,6 @@
-"""The ranking of one connected piece: by exact tables, or, where it is too wide for them, by A* under mini-bucket bounds.
+"""The ranking of one connected piece.
+
+By exact tables, or, where it is too wide for them, by A* under mini-bucket bounds.
 
 The upward pass of max-elimination (min, on costs) tells for every cell of every bucket the least cost of all that lies
 below it: a heuristic that is exact, so that best-first search opens nothing in vain. A *row* of a bucket is a joint
@@ -40,7 +42,7 @@ SUMMED = 1 << 12  # cells up to which a bucket's tables are added up before they
 
 
 class Node:
-    """One bucket: its axes, its costs of shape (rows, columns), the least cost of each row, and what it asks of its children."""
+    """One bucket: its axes, its costs (rows, columns), each row's least cost, and its questions to its children."""
 
     def __init__(self, bucket: Bucket, cards: Sequence[int]) -> None:
         """Columns increase.
@@ -130,7 +132,7 @@ class Row(Stream):
         self._bases = [_dot(states, strides) for _, strides, _ in node.children]
 
     def advance(self) -> tuple[Stream, int] | None:
-        """Put the next solution of the last column in the heap, open columns that may come before, then take the first."""
+        """Put the next solution of the last column in the heap, open earlier columns, then take the first."""
         while True:
             after = self._after or self._next_column()
             if after is None:
@@ -230,7 +232,7 @@ class Mini:
         self.least = np.where(least < impossible, least, impossible)
 
     def reader(self, cards: Sequence[int], shifts: Sequence[int]) -> tuple[Table, Table, list[tuple[int, int, int]]]:
-        """(table of shape (rows, states), least costs (rows,), how each variable's state is cut from a code: shift, mask, stride)."""
+        """(table (rows, states), least costs (rows,), cuts of a variable's state from a code: shift, mask, stride)."""
         rows, cuts, stride = self.least.reshape(-1), [], 1
         for u in reversed(self.scope[:-1]):
             cuts.append((shifts[u], (1 << (cards[u] - 1).bit_length()) - 1, stride))

@@ -210,7 +210,7 @@ def least(table: Table) -> Table:
 
 
 class Digits(NamedTuple):
-    """How solutions are written: what a state of each variable of the piece adds, and by how many bits costs are shifted."""
+    """How solutions are written: what each state of a variable adds, and by how many bits costs are shifted."""
 
     places: Sequence[int]
     shift: int

@@ -1,4 +1,7 @@
-"""What stands together in the image comes from the same print, and what stands along one line from the same edge: found or missed together."""
+"""What stands together in the image comes from the same print, and what stands along one line from the same edge.
+
+Found or missed together.
+"""
 
 import numpy as np
 from numpy.typing import NDArray
@@ -18,7 +21,9 @@ large a share is found together, as the correlation over development scenes says
 
 
 def shares(uv: Floats, turn: Floats, sided: NDArray[np.bool_]) -> Floats:
-    """(N,) for how much of an independent observation each of N features counts: one over those that go with it, itself included.
+    """(N,) for how much of an independent observation each of N features counts.
+
+    One over those that go with it, itself included.
 
     ``uv`` (N, 2) pixels; ``turn`` (N,) radians, the screen angle of what is seen of each, across its edge; ``sided``
     (N,) which are sides.

@@ -1,4 +1,6 @@
-"""Distinctiveness dv of feature types (§5.1), and what could be here before any pose is known: valuation and rank (§5.2, §5.3).
+"""Distinctiveness dv of feature types (§5.1), and what could be here before any pose is known.
+
+Valuation and rank (§5.2, §5.3).
 
 Vocabulary:
 
@@ -68,7 +70,7 @@ def compatible(feature_types: Sequence[frozenset[str]], appearance_types: Sequen
 
 
 def is_legal(substitution: Mapping[int, int], allowed: NDArray[np.bool_]) -> bool:
-    """Whether θ is legal: compatible, and injective, so that an appearance serves one feature and a feature is matched once (§5.2)."""
+    """Whether θ is legal: compatible, and injective: an appearance serves one feature, matched once (§5.2)."""
     values = list(substitution.values())
     return len(set(values)) == len(values) and all(bool(allowed[f, a]) for f, a in substitution.items())
 
@@ -104,14 +106,19 @@ def rank(weights: NDArray[np.float64], allowed: NDArray[np.bool_]) -> float:
 
 
 def rank_of_kinds(weights: NDArray[np.float64], kinds: Kinds, there: Mapping[str, int]) -> float:
-    """``rank`` where feature f is matched by appearances of one type alone: of each type the heaviest features, as many as are ``there``."""
+    """``rank`` where feature f is matched by appearances of one type alone.
+
+    Of each type the heaviest features, as many as are ``there``.
+    """
     matched = kinds.place < np.array([there.get(name, 0) for name in kinds.names], np.intp)[kinds.code]
     total = float(weights.sum())
     return min(1.0, float(weights[matched].sum()) / total) if total > 0.0 else 0.0
 
 
 class Kinds(NamedTuple):
-    """Features by their one appearance type: its ``names`` (K), each feature's ``code`` (F,) among them, and its ``place`` (F,) in it.
+    """Features by their one appearance type.
+
+    Its ``names`` (K), each feature's ``code`` (F,) among them, and its ``place`` (F,) in it.
 
     Of one type the heaviest is in place 0, the next in place 1.
     """

@@ -44,7 +44,10 @@ Support = dict[str, Cells]
 def tally(
     names: Sequence[str], kind: NDArray[np.intp], expected: NDArray[np.bool_], detected: NDArray[np.bool_]
 ) -> Support:
-    """Count the cases of F features into the cells of their types: ``kind`` (F,) are indices into ``names``, which are in alphabetical order."""
+    """Count the cases of F features into the cells of their types.
+
+    ``kind`` (F,) are indices into ``names``, which are in alphabetical order.
+    """
     column = np.where(expected, np.where(detected, 0, 1), np.where(detected, 3, 2))
     counts = np.bincount(kind * 4 + column, minlength=4 * len(names)).reshape(-1, 4)
     some = np.flatnonzero(counts.any(axis=1))

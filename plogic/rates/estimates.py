@@ -23,7 +23,7 @@ if TYPE_CHECKING:
 
 
 def counted(records: Sequence[Record]) -> Counts:
-    """What is observed outright: [hits, expected] a feature type, [appearances, images] an appearance type, [present, slots] a type."""
+    """What is observed: [hits, expected] a feature type, [appearances, images] a look, [present, slots] a type."""
     known = [slot for record in records for slot in record.slots if slot.present is not None]
     slots = by_key((slot.object_type, bool(slot.present)) for slot in known)
     hits = by_key((s.feature_type, s.near) for slot in known if slot.present for s in slot.sightings)
@@ -49,7 +49,10 @@ def added(*counts: Counts) -> Counts:
 
 
 def without(counts: Counts, names: Collection[str]) -> Counts:
-    """Counts but those of some features and appearances: of visual words, whose rates are measured in learning and whose names change with it."""
+    """Counts but those of some features and appearances.
+
+    Of visual words, whose rates are measured in learning and whose names change with it.
+    """
     hit, clutter = (
         {name: pair for name, pair in table.items() if name not in names} for table in (counts.hit, counts.clutter)
     )
@@ -68,7 +71,10 @@ def share(pair: tuple[float, float]) -> float:
 
 
 def mean(pair: tuple[float, float]) -> float:
-    """(n + 1/2)/m appearances an image: the mean of a Poisson rate under Jeffreys' prior, above 0 even where none was seen."""
+    """(n + 1/2)/m appearances an image.
+
+    The mean of a Poisson rate under Jeffreys' prior, above 0 even where none was seen.
+    """
     return (pair[0] + 0.5) / pair[1]
 
 
@@ -92,7 +98,7 @@ GAIN = 1e-6
 
 
 def expected_counts(slots: Sequence[Slot], observed: Counts, start: Rates) -> Counts:
-    """``observed`` with the expected counts of the open ``slots`` at the maximum of the likelihood that EM reaches from ``start``."""
+    """``observed`` with the expected counts of the open ``slots`` at the likelihood's maximum by EM from ``start``."""
     if not slots:
         return observed
     hit, prior = _fitted(slots, observed, start)

@@ -1,4 +1,6 @@
-"""One scene's folder to a record: where its objects truly stand, which of their features were detected, and what nobody caused.
+"""One scene's folder to a record.
+
+Where its objects truly stand, which of their features were detected, and what nobody caused.
 
 A scene is a folder with ``truth.json`` and one of ``interpretation.json``, ``gamma.json``, or ``image.*`` with
 ``camera.json``.

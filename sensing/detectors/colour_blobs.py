@@ -33,7 +33,7 @@ MIN_AREA = 40
 
 
 class ColourBlobDetector:
-    """Reports blobs at their centroid with ``scale`` (diameter of the disc of equal area) and ``score`` (mean saturation)."""
+    """Reports blobs at their centroid with ``scale`` (diameter of an equal disc) and ``score`` (mean saturation)."""
 
     name = "colour_blob"
     types: tuple[str, ...] = TYPES

@@ -245,7 +245,10 @@ def refined(grey: NDArray[np.float32], segments: Floats) -> Floats:
 
 
 def _sharp(grey: NDArray[np.float32], segments: Floats) -> Mask:
-    """Whether brightness rises by enough within 1.5 px of the line, and most of its rise within 3.5 px lies there: a step, not a slope."""
+    """Whether brightness rises by enough within 1.5 px of the line, and most of its rise within 3.5 px lies there.
+
+    A step, not a slope.
+    """
     if not len(segments):
         return np.zeros(0, dtype=np.bool_)
     values, _, _ = profiles(grey, segments, (0.03, 0.97), 24, np.full(len(segments), 3.5))

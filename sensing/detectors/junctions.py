@@ -1,4 +1,4 @@
-"""Junctions: places where edges meet, typed by how their arms lie (appearance types ``l_junction`` ... ``multi_junction``).
+"""Junctions: places where edges meet, typed by their arms (``l_junction`` ... ``multi_junction``).
 
 Segments are found in the picture with its patches painted out (a window's corner is no object's corner), intersected
 near their ends, and each place's arms are counted, those included that only the brightness shows.
@@ -13,7 +13,8 @@ kind                   arms  configuration                         ``angle``
 ``multi_junction``     4+    any                                   opposite to the largest gap's middle
 =====================  ====  ====================================  ==========================================
 
-Arms that no segment showed: directions from a place along which the brightness differs steadily from one side to the other.
+Arms that no segment showed: directions from a place along which the brightness differs steadily from one side to the
+other.
 
 Painting patches out: the picture as if its walls were bare, so that a window's border is no object's edge.
 
@@ -99,13 +100,16 @@ class JunctionDetector:
 
 
 def _channels(image_bgr: Bytes, grey: Bytes) -> list[NDArray[np.float32]]:
-    """Brightness, and warm against cold (red minus blue, halved): an edge between equally bright colours shows in the second alone."""
+    """Brightness, and warm against cold (red minus blue, halved).
+
+    An edge between equally bright colours shows in the second alone.
+    """
     warm = (image_bgr[:, :, 2].astype(np.float32) - image_bgr[:, :, 0].astype(np.float32)) / 2 + 128
     return [grey.astype(np.float32), warm.astype(np.float32)]
 
 
 def kind(arms: Floats) -> tuple[str, float] | None:
-    """The type and the angle of a junction with these arms, (k,) ascending in [0, 2π); None for fewer than two or a straight line."""
+    """The type and angle of a junction of arms (k,) ascending in [0, 2π); None for fewer than two or a line."""
     if len(arms) < 2:
         return None
     gaps = np.mod(np.roll(arms, -1) - arms, 2 * np.pi)
@@ -128,7 +132,9 @@ def _direction(angle: float) -> float:
 
 
 def steps(grey: NDArray[np.float32], places: Floats) -> tuple[Floats, Floats]:
-    """Along each ray from (N, 2) places: how much its sides differ in the mean (N, D), and in the third where they differ least (N, D).
+    """Along each ray from (N, 2) places.
+
+    How much its sides differ in the mean (N, D), and in the third where they differ least (N, D).
 
     The latter is 0 where the brightness slopes instead of stepping.
     """
@@ -164,7 +170,7 @@ def completed(step: Floats, least: Floats, arms: Floats, lengths: Floats) -> tup
 
 
 def without_patches(grey: NDArray[np.float32], corners: Floats) -> NDArray[np.float32]:
-    """A copy of the (H, W) picture where each of the (N, 4, 2) patches has the median brightness found just around it."""
+    """A copy of the (H, W) picture where each of the (N, 4, 2) patches has the median brightness around it."""
     out = grey.copy()
     if not len(corners):
         return out
@@ -223,7 +229,10 @@ def find_meetings(segments: Floats) -> list[Meeting]:
 
 
 def _pairs(segments: Floats) -> tuple[NDArray[np.intp], NDArray[np.intp], Floats, Floats]:
-    """Pairs (P,), (P,) that meet, their places (P, 2) and costs (P,): what is missing at the ends, dearer for short lines."""
+    """Pairs (P,), (P,) that meet, their places (P, 2) and costs (P,).
+
+    What is missing at the ends, dearer for short lines.
+    """
     along, _, length = directions(segments)
     i, j = np.triu_indices(len(segments), 1)
     place = meet(segments[i, :2], along[i], segments[j, :2], along[j])

@@ -187,7 +187,7 @@ def edge_sides(image: Bytes, cell: int, most: int = MOST_EDGES) -> EdgeSides:
 
 
 def noise(image: Bytes) -> float:
-    """Standard deviation of an (H, W, 3) image's noise in its plainest cells, grey levels, in the channel that has most of it.
+    """Standard deviation of an (H, W, 3) image's noise in its plainest cells, grey levels, in the noisiest channel.
 
     Immerkaer, Fast Noise Variance Estimation (1996), cell by cell.
     """
@@ -244,7 +244,7 @@ def described(
     cell: int = CELL,
     calm: Bytes | None = None,
 ) -> Keypoints:
-    """Keypoints of an (H, W) or (H, W, 3) uint8 image and, of ``sift``, points along its edges and then its regions, of each the strongest first.
+    """Keypoints of an (H, W) or (H, W, 3) uint8 image, the strongest first; of ``sift`` edges and regions too.
 
     At most ``most`` of each; of edges one in each cell of ``cell`` pixels, and at most ``EDGES``. Regions are looked
     for in ``calm``, as large, where it is given. Where the image has colours, they are part of the descriptors of
@@ -273,7 +273,7 @@ def joined(first: Keypoints, second: Keypoints) -> Keypoints:
 
 
 class KeypointDetector:
-    """Reports keypoints with ``angle``, ``scale``, ``score`` (response over itself plus a typical one) and ``descriptor``."""
+    """Reports keypoints with ``angle``, ``scale``, ``score`` (response over itself plus usual one), ``descriptor``."""
 
     def __init__(
         self,

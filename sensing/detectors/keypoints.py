@@ -1,4 +1,4 @@
-"""Keypoints: places with a size, a direction and a descriptor, by OpenCV's SIFT and ORB (appearance types ``sift``, ``orb``, or words).
+"""Keypoints: places with size, direction and descriptor, by OpenCV's SIFT and ORB (``sift``, ``orb``, or words).
 
 * ``Keypoints``: what an image shows as arrays, ``Keypoints(uv=(N, 2), angle=(N,), scale=(N,), response=(N,),
   descriptors=(N, 128))``
@@ -98,7 +98,7 @@ def grey_of(image: Bytes) -> Bytes:
 
 
 def sift_at(grey: Bytes, uv: Floats, angle: Floats, scale: Floats, response: Floats) -> Keypoints:
-    """SIFT's descriptors of an (H, W) image at N given places, (N, 2) pixels, angles (radians), diameters (pixels) and responses."""
+    """SIFT's descriptors of an (H, W) image at (N, 2) pixels, of angles (radians), diameters (px), responses."""
     if not len(uv):
         return _arrays([], None, "sift", grey.shape)
     rows = zip(uv.tolist(), scale.tolist(), np.degrees(angle % (2 * np.pi)).tolist(), response.tolist(), strict=True)
@@ -116,7 +116,7 @@ def _orb(contrast: float | None, most: int) -> cv2.ORB:
 
 
 def _arrays(found: Sequence[cv2.KeyPoint], descriptors: Bytes | None, name: str, shape: tuple[int, ...]) -> Keypoints:
-    """OpenCV's keypoints as arrays, angles in radians, places in our convention and inside the image of (height, width)."""
+    """OpenCV's keypoints as arrays, angles in radians, places in our convention inside (height, width)."""
     rows = np.array([(*k.pt, k.angle, k.size, k.response, k.octave) for k in found], dtype=np.float64).reshape(-1, 6)
     uv = rows[:, :2] if name == "sift" else _between_centres(rows[:, :2], rows[:, 5], shape)
     height, width = shape[:2]
@@ -127,7 +127,10 @@ def _arrays(found: Sequence[cv2.KeyPoint], descriptors: Bytes | None, name: str,
 
 
 def _between_centres(pt: Floats, octave: Floats, shape: tuple[int, ...]) -> Floats:
-    """ORB's places: pixel x of a level is at (x + ½)·s − ½ of the image, s being the widths' (heights') true ratio, not at x · 1.2^octave."""
+    """ORB's places: pixel x of a level is at (x + ½)·s − ½ of the image.
+
+    s is the true ratio of widths (heights), not 1.2^octave.
+    """
     power = SHRINK ** octave[:, None]
     size = np.array([shape[1], shape[0]], dtype=np.float64)
     ratio = size / np.maximum(np.rint(size / power), 1)
@@ -170,7 +173,9 @@ def is_grey(image: Bytes) -> bool:
 
 
 def colours(image: Bytes, uv: Floats, angle: Floats, scale: Floats) -> Bytes:
-    """(N, 10) of N keypoints of an (H, W, 3) image, blue first: in each cell how red and how blue it is against green, 128 for neither.
+    """(N, 10) of N keypoints of an (H, W, 3) image, blue first.
+
+    In each cell how red and how blue it is against green, 128 for neither.
 
     A ratio of channels does not change with brightness. Args are as ``Keypoints`` has them: pixels, radians, diameters
     in pixels.
@@ -193,7 +198,7 @@ def ratios(levels: NDArray[np.floating[Any]]) -> Bytes:
 
 
 def _pyramid(image: Bytes) -> list[NDArray[np.float32]]:
-    """Each picture half as large as the one before, its pixel i where that one's pixel 2i is, and about twice as blurred."""
+    """Each picture half as large as the one before, its pixel i at that one's pixel 2i, and twice as blurred."""
     pictures = [np.asarray(cv2.GaussianBlur(image.astype(np.float32), (0, 0), 1.0), np.float32)]
     while len(pictures) < _LEVELS:
         pictures.append(np.asarray(cv2.pyrDown(pictures[-1]), np.float32))

@@ -1,4 +1,6 @@
-"""Printed markers: ArUco and AprilTag, by OpenCV's detector. A marker is one compound feature: its middle and its four corners.
+"""Printed markers: ArUco and AprilTag, by OpenCV's detector. A marker is one compound feature.
+
+Its middle and its four corners.
 
 Marker 7 of ``aruco_4x4`` is reported as five appearances:
 
@@ -80,7 +82,9 @@ class MarkerDetector:
 
 
 def fitted(grey: NDArray[np.float32], quads: Floats) -> Floats:
-    """(N, 4, 2) corners of dark quadrilaterals, clockwise: where lines meet that are fitted to their sides' steepest change.
+    """(N, 4, 2) corners of dark quadrilaterals, clockwise.
+
+    Where lines meet that are fitted to their sides' steepest change.
 
     A side is looked at over two thirds of its length and to a tenth of the marker's extent across it (less than a
     border cell of a 6 × 6 marker), then to a sixteenth; corners that stray by more than twice that stay where they are.

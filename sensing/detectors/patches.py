@@ -1,4 +1,4 @@
-"""Patches: dark, even, convex quadrilaterals on something brighter, such as painted windows (appearance type ``patch``).
+"""Patches: dark, even, convex quadrilaterals on something brighter, such as painted windows (``patch``).
 
 Thresholds give blobs; a blob's hull gives a quadrilateral; its four sides are fitted to a fraction of a pixel; what has
 no such side all round, or is not even inside, is no patch. The place is where the diagonals meet: the projection of a
@@ -54,7 +54,7 @@ class Patches:
 
 
 class PatchDetector:
-    """Reports patches with ``scale`` (diameter of the disc of the same area) and ``angle`` (of the longer side, in [0, π/2))."""
+    """Reports patches with ``scale`` (diameter of an equal disc) and ``angle`` (of the longer side, in [0, π/2))."""
 
     name = "patch"
     types: tuple[str, ...] = (TYPE,)
@@ -113,7 +113,10 @@ def _none() -> Patches:
 
 
 def _quad(blob: "Blob") -> Floats:
-    """(4, 2) first guess, clockwise: the outline's longest chord, and on either side of it the point that is farthest off."""
+    """(4, 2) first guess, clockwise.
+
+    The outline's longest chord, and on either side of it the point that is farthest off.
+    """
     hull = cv2.convexHull(blob.outline).reshape(-1, 2).astype(np.float64)
     apart = ((hull[:, None] - hull[None]) ** 2).sum(axis=2)
     i, j = np.unravel_index(int(np.argmax(apart)), apart.shape)
@@ -143,7 +146,7 @@ def _plausible(quads: Floats) -> Mask:
 
 
 def _fitted(grey: NDArray[np.float32], quads: Floats, share: float) -> tuple[Floats, Floats]:
-    """Quadrilaterals with their sides moved to where the brightness changes, and the median rise (N, 4) across each side."""
+    """Quadrilaterals with sides moved to where brightness changes, and the median rise (N, 4) across each."""
     sides = sides_of(quads)
     lengths = np.linalg.norm(sides[:, 2:] - sides[:, :2], axis=1).reshape(-1, 4)
     width = np.repeat(areas(quads)[:, None], 4, axis=1) / np.maximum(lengths, 1e-9)
@@ -229,7 +232,7 @@ class Blob:
 
 
 def dark_blobs(grey: Bytes) -> list[Blob]:
-    """Blobs of an (H, W) image that live through two thresholds or more, each once, at the middle threshold of its life."""
+    """Blobs of an (H, W) image that live through two thresholds or more, once, at the middle of their life."""
     levels = np.arange(int(grey.min()) + STEP // 2, int(grey.max()), STEP)
     rows = [_regions(grey, int(level)) for level in levels]
     found = np.concatenate(rows) if rows else np.zeros((0, 8))

@@ -1,4 +1,6 @@
-"""Regions of one colour or brightness that stand out: what a thing without print shows, a yellow bottle, a red face of a cube.
+"""Regions of one colour or brightness that stand out.
+
+What a thing without print shows, a yellow bottle, a red face of a cube.
 
 A region is found where it hardly changes when the threshold does (Matas et al., Robust wide baseline stereo from
 maximally stable extremal regions, 2002; OpenCV's MSER), in brightness and in the ratios of colours, which shading does
@@ -92,7 +94,10 @@ def regions(image: Bytes, most: int = MOST) -> Keypoints:
 
 
 def _channels(image: Bytes) -> list[Bytes]:
-    """(h, w) levels each, of the smaller image: brightness, and of an image with colours red against green, blue against green."""
+    """(h, w) levels each, of the smaller image.
+
+    Brightness, and of an image with colours red against green, blue against green.
+    """
     size = tuple(-(-side // HALF) for side in image.shape[1::-1])
     small = np.asarray(
         cv2.GaussianBlur(cv2.resize(image, size, interpolation=cv2.INTER_AREA), (0, 0), SMOOTH), np.uint8
@@ -169,7 +174,10 @@ def _tile(region: _Region) -> NDArray[np.float32]:
 
 
 def _directions(tiles: NDArray[np.float32]) -> tuple[NDArray[np.intp], Floats]:
-    """Of (R, TILE, TILE) shapes, the directions (N,) that their outlines face most, from within outwards reversed, and whose they are (N,)."""
+    """Of (R, TILE, TILE) shapes, the directions (N,) that their outlines face most, and whose they are (N,).
+
+    From within, outwards reversed.
+    """
     slopes = [np.asarray(slope) for slope in np.gradient(tiles, axis=(1, 2))] if len(tiles) else [tiles, tiles]
     number, y, x = np.nonzero(np.maximum(np.abs(slopes[0]), np.abs(slopes[1])) > 0.0)
     down, right = (np.asarray(slope[number, y, x], np.float64) for slope in slopes)

@@ -165,7 +165,9 @@ def _content_mistakes(data: object, camera: Camera | None, vocabulary: Collectio
 
 
 def _descriptor_mistake(a_type: object, text: object) -> str | None:
-    """What is wrong with a descriptor's text for an appearance of this type: a keypoint detector's name, or a word of it.
+    """What is wrong with a descriptor's text for an appearance of this type.
+
+    A keypoint detector's name, or a word of it.
 
     A text that is no string is another mistake's business.
     """

@@ -11,7 +11,8 @@ with transparency      the alpha channel is dropped
 floating point         refused
 =====================  =======================================================================
 
-Whether an image file's bytes are whole, told before they are decoded: decoders fill in what is missing, or complain on standard error.
+Whether an image file's bytes are whole, told before they are decoded: decoders fill in what is missing, or complain on
+standard error.
 """
 
 import logging

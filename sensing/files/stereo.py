@@ -104,7 +104,10 @@ def _normalised(gamma: Gamma) -> Floats:
 
 
 def _depths(turned: Floats, b: Floats, t: Floats) -> Floats:
-    """(L, R) the depth at which a left ray, (L, 3) in the right frame per metre of depth, comes nearest to a right pixel (R, 2) on its line."""
+    """(L, R) the depth at which a left ray (L, 3) comes nearest to a right pixel (R, 2) on its line.
+
+    Rays in the right frame per metre of depth.
+    """
     # x_right = (d·turned + t), and b·z = xy: two equations in d, in least squares
     slope = turned[:, None, :2] - b[None] * turned[:, None, 2:]
     rest = b * t[2] - t[:2]

@@ -3,7 +3,8 @@
 Bodies are drawn (``stage``) at ``supersample`` times the size and averaged down: a pixel is the mean light over its
 square. Floor, background and shadows are drawn behind them. Then the lens blurs and the sensor adds noise.
 
-* ``Turn``: one large picture of a body alone with its depth, as learning a type looks at it, ``Turn(image, mask, depth, camera, pixels=990.0)``
+* ``Turn``: one large picture of a body alone with its depth, as learning a type looks at it, ``Turn(image, mask, depth,
+  camera, pixels=990.0)``
 """
 
 from collections.abc import Iterator, Sequence

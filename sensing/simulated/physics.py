@@ -48,7 +48,10 @@ def physics_version() -> str:
 
 @contextmanager
 def quiet() -> Iterator[None]:
-    """Send file descriptors 1 and 2 to nowhere meanwhile: pybullet's C code prints a banner and warnings past ``sys.stdout``."""
+    """Send file descriptors 1 and 2 to nowhere meanwhile.
+
+    Pybullet's C code prints a banner and warnings past ``sys.stdout``.
+    """
     sys.stdout.flush()
     sys.stderr.flush()
     saved = [os.dup(1), os.dup(2)]
@@ -95,7 +98,7 @@ DENSITY = 400.0
 
 
 def settle(bodies: Sequence[Body], seed: int = 0, drop: float = 0.01, tilt: float = 0.005) -> tuple[Body, ...]:
-    """Drop each body from ``drop`` metres with a random tilt of up to ``tilt`` radians, and return them where they are after 2 s.
+    """Drop each body from ``drop`` metres with a tilt of up to ``tilt`` radians, and return them after 2 s.
 
     Without pybullet: each as it is, moved up or down until its lowest place touches the floor.
 

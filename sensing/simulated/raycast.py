@@ -1,4 +1,6 @@
-"""Bodies seen by rays instead of TinyRenderer: meshes of any size, textures without aliasing, rounded shading, cast shadows.
+"""Bodies seen by rays instead of TinyRenderer.
+
+Meshes of any size, textures without aliasing, rounded shading, cast shadows.
 
 Used for table-top scenes, whose packages carry fine print. What is learned from pictures of another renderer is not
 flattered by it. A texture is looked up in a pyramid of halved copies, each sample from the one that fits its footprint.
@@ -74,7 +76,7 @@ STEEPEST = 0.2
 
 @dataclass(frozen=True, eq=False)
 class Cast:
-    """Per ray (N): the body (-1 none), its triangle among all, the distance in lengths of the ray, the point (N, 3) and normal (N, 3), world."""
+    """Per ray (N): body (-1 none), triangle among all, distance in ray lengths, point (N, 3), normal (N, 3), world."""
 
     body: NDArray[np.int64]
     triangle: NDArray[np.int64]
@@ -140,7 +142,10 @@ class Caster:
 
 
 def corner_normals(mesh: TexturedMesh) -> NDArray[np.float64]:
-    """(T, 3, 3) unit normals at the corners: the mean, by area, of those facets around that do not meet this one at an edge."""
+    """(T, 3, 3) unit normals at the corners.
+
+    The mean, by area, of those facets around that do not meet this one at an edge.
+    """
     a, b, c = np.moveaxis(mesh.corners, 1, 0)
     area, facets = np.cross(b - a, c - a), mesh.normals
     _, place = np.unique(np.round(mesh.vertices, 6), axis=0, return_inverse=True)

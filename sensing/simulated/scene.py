@@ -285,7 +285,7 @@ def _paint(cell: NDArray[np.uint8], rng: np.random.Generator) -> None:
 
 
 def truth_to_dict(scene: Scene) -> dict[str, Any]:
-    """Ground truth: per body its label (null for an untyped decoy), ``T_camera_object`` and the visible fraction of its picture."""
+    """Ground truth: per body its label (null for a decoy), ``T_camera_object``, and its visible fraction."""
     rows = zip(scene.bodies, scene.camera_from_bodies, scene.fractions, strict=True)
     objects = [{"label": b.label, "T_camera_object": T.tolist(), "visible_fraction": f} for b, T, f in rows]
     return {"format": "truth/1", "objects": objects}

@@ -122,7 +122,7 @@ class _Rays:
 
 
 class _Sight:
-    """The pixels of a picture ``supersample`` times as large, as rays in the world frame of length 1 along the optical axis."""
+    """The pixels of a picture ``supersample`` times as large, as world rays of length 1 along the optical axis."""
 
     def __init__(self, camera: Camera, supersample: int, bodies: Sequence[Body]) -> None:
         self._world_from_camera = placed_at(camera)

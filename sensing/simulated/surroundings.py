@@ -103,7 +103,7 @@ def floor_depth(camera: Camera) -> NDArray[np.float32]:
 
 
 def noise_texture(rng: np.random.Generator, shape: tuple[int, int], cells: Sequence[int]) -> NDArray[np.float32]:
-    """(H, W, 3) float32 noise of several grains (cells across the width), mean 0 and standard deviation 1, mostly grey."""
+    """(H, W, 3) float32 noise of several grains (cells across the width), mean 0 and deviation 1, mostly grey."""
     total = np.zeros((*shape, 3), np.float32)
     for n in cells:
         rows = max(2, round(n * shape[0] / shape[1]))

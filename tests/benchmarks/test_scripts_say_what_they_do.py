@@ -28,7 +28,7 @@ for path in paths:
         told[path.rpartition("/")[2] + argument] = status, out.getvalue()
 print(json.dumps(told))
 """
-"""What a fresh interpreter does: it runs each script with each argument, as if alone, and imports once what they share."""
+"""A fresh interpreter: it runs each script with each argument, as if alone, and imports shared modules once."""
 
 
 @pytest.fixture(scope="module")

@@ -1,4 +1,7 @@
-"""Anytime (``plogic.cycle.choosing``): wherever the cycle is stopped, it answers with a stable Δi, and more time never makes its weight less."""
+"""Anytime (``plogic.cycle.choosing``): more time never makes the weight of Δi less.
+
+Wherever the cycle is stopped, it answers with a stable Δi.
+"""
 
 from __future__ import annotations
 

@@ -111,7 +111,7 @@ UNDECIDED = -1
 
 @dataclass(frozen=True)
 class _Level:
-    """Gates of one kind: ``gates`` are their variables, the children of the i-th start at ``first[i]`` in ``children``."""
+    """Gates of one kind: ``gates`` are variables, children of the i-th start at ``first[i]`` in ``children``."""
 
     conjunction: bool
     gates: Ints

@@ -121,7 +121,10 @@ def _parts(nnf: Nnf) -> list[int]:
 
 
 def _decided_apart(nnf: Nnf, root: int, variables: tuple[int, ...]) -> set[int]:
-    """The ORs any two of whose branches need different values of a query atom: of a state, only one branch has weight."""
+    """The ORs any two of whose branches need different values of a query atom.
+
+    Of a state, only one branch has weight.
+    """
     if not variables:
         return set()
     sides = {literal: 1 << (2 * i + side) for i, v in enumerate(variables) for side, literal in enumerate((v, -v))}
@@ -198,7 +201,9 @@ FIRST_WAIT = 0.05
 
 
 def ranked(document: dict[str, Any], tell: Callable[[Reply], None] | None = None) -> Reply:
-    """``{"worlds": [{"p", "holds": [atom, ...], "choices": [literal, ...]}, ...], "log_evidence", "all"}`` of the ``number`` best worlds.
+    """The document of the ``number`` best worlds.
+
+    ``{"worlds": [{"p", "holds": [atom, ...], "choices": [literal, ...]}, ...], "log_evidence", "all"}``
 
     ``tell`` gets what was found on the way, marked ``partial``. Raises InconsistentError, ProgramError.
     """
@@ -303,7 +308,10 @@ def _choice_names(request: Request, program: Compiled) -> list[list[str]]:
 
 
 def _places(factor: Factor, literals: list[Literal]) -> list[tuple[int, int, bool]]:
-    """Of each query atom that the factor decides: its place, the atom in the factor's states, and the value that makes it hold."""
+    """Of each query atom that the factor decides.
+
+    Its place, the atom in the factor's states, and the value that makes it hold.
+    """
     order = {v: i for i, v in enumerate(factor.variables)}
     return [(place, order[abs(lit)], lit > 0) for place, lit in enumerate(literals) if lit and abs(lit) in order]
 

@@ -162,7 +162,10 @@ def residue(ground: Ground) -> Residue | None:
 
 
 def _open_gates(ground: Ground, fixed: dict[int, bool]) -> Iterator[tuple[int, tuple[int, ...]]]:
-    """Each gate that is not fixed as a disjunction, children first: the literal that it stands for, and its open inputs."""
+    """Each gate that is not fixed as a disjunction, children first.
+
+    The literal that it stands for, and its open inputs.
+    """
     for variable in sorted(ground.gates.keys() - fixed.keys()):
         gate = ground.gates[variable]
         sign = 1 if gate.kind == "or" else -1

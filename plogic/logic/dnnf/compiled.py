@@ -31,7 +31,9 @@ Ints = NDArray[np.int64]
 
 @dataclass(frozen=True)
 class Level:
-    """The gates of one kind in one level: nodes ``start`` to ``stop``, the children of the i-th from ``first[i]`` on in ``children``.
+    """The gates of one kind in one level.
+
+    Nodes ``start`` to ``stop``, the children of the i-th from ``first[i]`` on in ``children``.
 
     ``owner[j]``: the gate, from 0, whose child ``children[j]`` is; ``targets[target[j]]`` is ``children[j]``, each node
     once in ``targets``.

@@ -127,7 +127,9 @@ PROGRAM, RESULT = "program.cnf", "program.nnf"
 
 
 def compiled(residue: Residue) -> Nnf:
-    """The residue as one smooth d-DNNF: the conjunction of its components, and of the variables that are in none of them.
+    """The residue as one smooth d-DNNF.
+
+    The conjunction of its components, and of the variables that are in none of them.
 
     Raises LimitError where no compiler manages.
     """
@@ -208,7 +210,10 @@ def _finished(run: Child) -> str | None:
 
 
 def _read(nnf: Nnf, text: str, numbers: list[int]) -> int:
-    """The root of what dsharp wrote: lines ``L literal``, ``A n children``, ``O variable n children``, the root last."""
+    """The root of what dsharp wrote.
+
+    Lines ``L literal``, ``A n children``, ``O variable n children``, the root last.
+    """
     nodes: list[int] = []
     for line in text.splitlines()[1:]:
         kind, *rest = line.split()

@@ -90,7 +90,10 @@ class Ground:
 
 
 class NamedFormula(LogicFormula):  # type: ignore[misc]
-    """A formula whose choices keep their names, whatever else they turn out to be: a rule's head that holds just where a choice does, a query."""
+    """A formula whose choices keep their names, whatever else they turn out to be.
+
+    A rule's head that holds just where a choice does, a query.
+    """
 
     def __init__(self, database: Any = None, **options: Any) -> None:  # noqa: ANN401 - a ClauseDB
         super().__init__(**options)

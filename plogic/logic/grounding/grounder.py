@@ -1,4 +1,6 @@
-"""Grounding of plain programs: calls are answered from a table, top down, and every answer has its literal in the ground formula.
+"""Grounding of plain programs.
+
+Calls are answered from a table, top down, and every answer has its literal in the ground formula.
 
 It knows rules, negation, disjunction, comparison, arithmetic, probabilistic clauses and annotated disjunctions, as long
 as no call depends on itself and answers are ground. Anything else raises UnsupportedError before anything is told: then
@@ -65,7 +67,9 @@ class Formula:
 
 
 def fails(literals: tuple[int, ...]) -> bool:
-    """Whether a conjunction is false where ProbLog sees that: its last literal, and the last that differs from it, are opposites.
+    """Whether a conjunction is false where ProbLog sees that.
+
+    Its last literal, and the last that differs from it, are opposites.
 
     Any other contradiction is a gate that never holds, so that an answer is listed with probability 0 where ProbLog
     lists it.
@@ -79,7 +83,7 @@ Environment = list["Small | None"]
 
 
 class Grounder:
-    """Predicates, the formula that grows, and a table of the calls that have been answered (None while one is being answered)."""
+    """Predicates, the growing formula, and a table of the answered calls (None while one is being answered)."""
 
     def __init__(self) -> None:
         self.reader = Reader()
@@ -111,7 +115,10 @@ class Grounder:
         ]
 
     def solve(self, signature: Signature, arguments: tuple[Small, ...]) -> Answers:
-        """Ground instances of a call, each with its literal, in the order of their first proofs, and maybe more: the caller compares."""
+        """Ground instances of a call, each with its literal, in the order of their first proofs, and maybe more.
+
+        The caller compares.
+        """
         key = (signature, arguments)
         found = self.table.get(key, self)
         if found is None:

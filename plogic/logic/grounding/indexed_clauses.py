@@ -75,7 +75,7 @@ class Predicate:
         self.rules.append(rule)
 
     def matching(self, bound: tuple[int, ...], key: tuple[Small, ...]) -> Sequence[Rule]:
-        """The rules whose heads are ``key`` at the places ``bound``, or have variables there, in the order of the program."""
+        """The rules whose heads are ``key`` at the places ``bound``, or have variables there, in program order."""
         if not bound:
             return self.rules
         index = self.indexes.get(bound)

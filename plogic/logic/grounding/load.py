@@ -30,7 +30,9 @@ EVIDENCE = frozenset({"evidence/1", "evidence/2"})
 
 @dataclass(frozen=True)
 class Request:
-    """What is asked of a program: the parsed texts, goals with the heads that stand for them, evidence as heads that must hold.
+    """What is asked of a program.
+
+    The parsed texts, goals with the heads that stand for them, evidence as heads that must hold.
 
     ``sources`` and ``statements``: all texts and all clauses, those of goals and evidence last.
     """

@@ -1,1 +1,1 @@
-"""Proofs over a program: which choices entail a goal (§8, *explanation*), and which condition a failed goal fails at."""
+"""Proofs over a program: choices that entail a goal (§8, *explanation*), and conditions where a goal fails."""

@@ -160,7 +160,10 @@ class Found:
 
 @dataclass(frozen=True)
 class Accountant:
-    """Searches and tells, once the numbers are there: literals 0, 1, ... are the answers', the last one is that of any of them."""
+    """Searches and tells, once the numbers are there.
+
+    Literals 0, 1, ... are the answers', the last one is that of any of them.
+    """
 
     ground: Grounding
     asked: Asked
@@ -214,7 +217,7 @@ class Accountant:
         return goal, plain(trees.of(*self.asked.instances[found.answer]), goal)
 
     def covered(self, found: list[Found], total: float) -> Data:
-        """How probable it is that one of the explanations listed is the case, and what is left for all others together."""
+        """How probable it is that one of the listed explanations is the case, and what is left for all others."""
         low, high = self.numbers.mass.union([f.selection for f in found]) if found else (0.0, 0.0)
         left = max(0.0, total - low)
         return {"listed": [low, max(low, min(high, total))], "unlisted": left if left > 1e-12 else 0.0}

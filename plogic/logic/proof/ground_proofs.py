@@ -1,4 +1,6 @@
-"""A rewritten program in ProbLog's engine: every goal that is asked comes back with its instances and its formula over choices.
+"""A rewritten program in ProbLog's engine.
+
+Every goal that is asked comes back with its instances and its formula over choices.
 
 Proofs are trees (``Tree``), and choices are shown as goals that can be read (``choice_literal``).
 """
@@ -124,7 +126,10 @@ class Grounding:
         return self.choices[node]
 
     def choice_of(self, identifier: Any) -> tuple[Choice, int]:  # noqa: ANN401 - ProbLog's
-        """From ProbLog's identity of a choice: (place of its clause in the database, values of the clause's variables, which head)."""
+        """From ProbLog's identity of a choice.
+
+        (place of its clause in the database, values of the clause's variables, which head).
+        """
         if not isinstance(identifier, tuple):
             raise ProgramError(
                 "choices in a file that the program loads cannot be explained: put its clauses into the program itself"
@@ -184,7 +189,10 @@ def choice_literal(ground: Grounding, choice: Choice, taken: int) -> Small:
 
 
 def _tells(ground: Grounding, rule: Rule, head: int) -> bool:
-    """Whether the head alone tells the choice: no other rule gives it, and it names all that the rule's instances differ in."""
+    """Whether the head alone tells the choice.
+
+    No other rule gives it, and it names all that the rule's instances differ in.
+    """
     if not set(rule.variables) <= set(refs(rule.heads[head])):
         return False
     wanted = fresh(rule.heads[head])
@@ -206,7 +214,10 @@ def joined(mark: str, goals: list[Small]) -> Small:
 
 
 def plain(tree: Tree, goal: Small) -> Tree:
-    """A tree without the rewritten program's own atoms: the goal's wrapper gives way to what it wraps, or is named after it."""
+    """A tree without the rewritten program's own atoms.
+
+    The goal's wrapper gives way to what it wraps, or is named after it.
+    """
     children = tuple(plain(child, goal) for child in tree.children)
     if not str(tree.goal[0]).startswith(INTERNAL):
         return Tree(tree.goal, tree.kind, children)

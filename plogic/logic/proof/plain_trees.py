@@ -28,7 +28,9 @@ CONDITIONS = 400
 
 @dataclass
 class Condition:
-    """One condition of a rule's instance: its node, and the rules that could give it (of a negation, those that give what it denies).
+    """One condition of a rule's instance.
+
+    Its node, and the rules that could give it (of a negation, those that give what it denies).
 
     ``is_open``: it cannot be asked, since a condition before it failed to bind its variables.
     """
@@ -161,7 +163,7 @@ TOLD_BELOW = 0.5
 
 @dataclass(frozen=True)
 class Miss:
-    """One way in which the goal could have been, with P(all its conditions | evidence), and P of each condition by its place in memory."""
+    """One way in which the goal could have been, its probability and each condition's, given the evidence."""
 
     candidate: Candidate
     failed: int

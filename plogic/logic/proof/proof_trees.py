@@ -98,7 +98,10 @@ class Truth:
         return open_is if taken is None else taken == head
 
     def reasons(self, key: Key) -> list[tuple[Choice, int]]:
-        """Choices of the selection that give a node its value: one side of an OR that holds, or of an AND that does not; else all."""
+        """Choices of the selection that give a node its value.
+
+        One side of an OR that holds, or of an AND that does not; else all.
+        """
         needed: dict[Choice, int] = {}
         seen: set[int] = set()
         for node in reached([abs(key)] if key else [], lambda node: self._deciding(node, seen), seen):
@@ -160,7 +163,10 @@ class Trees:
         return self._absent(goal, key) if self.truth.value(key) is False else self._by_choices(("\\+", goal), key)
 
     def _open(self, goal: Small, above: frozenset[Small]) -> Tree:
-        """Why a goal holds though no single proof of it is certain: one of several rules' instances gives it in every world."""
+        """Why a goal holds though no single proof of it is certain.
+
+        One of several rules' instances gives it in every world.
+        """
         known = canonical(goal)
         ways = list(self._possible(goal)) if known not in above else []
         if len(ways) == 1:

@@ -1,4 +1,4 @@
-"""Numbers for proofs: the part of the evidence that matters, compiled with the goals, and P(choices | evidence) from the circuit."""
+"""Numbers for proofs: the relevant evidence, compiled with the goals, and P(choices | evidence) from the circuit."""
 
 import math
 from collections import Counter, defaultdict
@@ -26,7 +26,7 @@ interval."""
 
 @dataclass
 class Mass:
-    """``heads[choice][i]``: the circuit's variable of the choice's i-th head, for those heads that anything asked depends on."""
+    """``heads[choice][i]``: the circuit's variable of the choice's i-th head, for heads that a question depends on."""
 
     compiled: Compiled
     heads: Mapping[Choice, Mapping[int, int]]
@@ -65,7 +65,7 @@ class Mass:
         return math.fsum(choice.probability(i) for i in choice.domain if i not in self.heads[choice])
 
     def union(self, selections: Sequence[Selection]) -> tuple[float, float]:
-        """P(at least one of these sets of choices | evidence), as an interval of one point unless it takes too many parts."""
+        """P(at least one of these sets of choices | evidence), an interval of one point unless it is large."""
         conditions: list[tuple[list[Literal], float]] = []
         done = self._parts([dict(s) for s in selections], [], [], conditions)
         if done:
@@ -81,7 +81,10 @@ class Mass:
         out: list[int],
         conditions: list[tuple[list[Literal], float]],
     ) -> bool:
-        """Cut the union into disjoint conjunctions: along one choice, each head that some selection takes, and what is left."""
+        """Cut the union into disjoint conjunctions.
+
+        Along one choice, each head that some selection takes, and what is left.
+        """
         if not left or len(conditions) > MOST_PARTS:
             return len(conditions) <= MOST_PARTS
         if any(not selection for selection in left):
@@ -131,7 +134,7 @@ class Numbers:
 
 
 def numbers_of(grounding: Grounding, keys: Sequence[Key], steps: Steps) -> Numbers:
-    """Compile what the keys depend on with the evidence that shares a choice with them, directly or through other evidence.
+    """Compile what the keys depend on with the evidence that shares a choice with them, through other evidence too.
 
     The rest of the evidence is independent of them and only has to be possible. Raises InconsistentError where it is
     not, LimitError.

@@ -1,4 +1,4 @@
-r"""The clauses of a program, ready for proofs (``Rules``), and the same program rewritten so that every proof can be read off its grounding.
+r"""The clauses of a program, ready for proofs (``Rules``), and a program whose grounding shows every proof.
 
 A clause ``h :- b1, (b2 ; b3), \+ (b4, b5).`` becomes ``h :- 'plogic rule 7'(X, Y).`` with ``'plogic rule 7'(X, Y) :-
 b1, 'plogic part 8'(X), \+ 'plogic part 9'(Y).``: an instance of a rule is then an atom of its own, whose arguments are
@@ -111,7 +111,10 @@ class Rewriter:
     count: int = 0
 
     def statement(self, statement: Any) -> tuple[int, list[Any]]:  # noqa: ANN401 - a term of ProbLog's
-        """The number of the statement's rule, and what the engine is given for it: the statement itself where there is nothing to follow."""
+        """The number of the statement's rule, and what the engine is given for it.
+
+        The statement itself where there is nothing to follow.
+        """
         self.count += 1
         number = self.count
         variables: dict[str, Ref] = {}
@@ -251,7 +254,10 @@ def _sides(goal: Small, mark: str) -> Iterator[Small]:
 
 
 def _own(literal: Literal) -> Iterator[Ref]:
-    """The variables of a condition that its rule knows: those of a negation, or inside findall/3, only if the rule names them elsewhere."""
+    """The variables of a condition that its rule knows.
+
+    Those of a negation, or inside findall/3, only if the rule names them elsewhere.
+    """
     if literal.kind != "not":
         yield from _outward(literal.goal)
 

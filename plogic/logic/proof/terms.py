@@ -115,7 +115,10 @@ def fresh(term: Small, new: dict[Ref, Ref] | None = None) -> Small:
 
 
 def canonical(term: Small, seen: dict[Ref, Small] | None = None) -> Small:
-    """The term with its variables replaced by numbered atoms: equal for terms that differ in the names of variables only."""
+    """The term with its variables replaced by numbered atoms.
+
+    Equal for terms that differ in the names of variables only.
+    """
     atoms = {} if seen is None else seen
     if isinstance(term, Ref):
         return atoms.setdefault(term, (f"_{len(atoms)}",))
@@ -154,7 +157,10 @@ LETTERS = "XYZUVW"
 
 
 def text(goal: Small, names: Names | None) -> str:
-    r"""``\+ hidden(h2, 'roof/apex')``; labels for atoms, operators between their arguments; unbound variables as letters, ``_`` if alone."""
+    r"""``\+ hidden(h2, 'roof/apex')``; labels for atoms, operators between their arguments.
+
+    Unbound variables as letters, ``_`` if alone.
+    """
     found = list(refs(goal))
     shared = [v for v in dict.fromkeys(found) if found.count(v) > 1]
     letters = {v: (LETTERS[i] if i < len(LETTERS) else f"X{i}",) for i, v in enumerate(shared)}

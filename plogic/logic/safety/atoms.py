@@ -1,4 +1,4 @@
-"""Names of users and atoms of programs, the table between them (contract, "Names"), and the tokens of a goal as a user types it.
+"""Users' names and programs' atoms, the table between them (contract, "Names"), and the tokens of a typed goal.
 
 A name that matches ``[a-z][a-z0-9_]*`` and is no operator is its own atom; any other gets a generated one. Atoms stand
 only in argument places, so no name can be read as program text.

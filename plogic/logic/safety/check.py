@@ -1,4 +1,4 @@
-"""The first layer: the syntax tree is held to the allow-list (``allowlist``), by ProbLog's own parser and its own signatures.
+"""The first layer: ProbLog's own parser and signatures hold the syntax tree to the allow-list (``allowlist``).
 
 It sees what is written out, wherever a goal may stand: bodies, directives, queries, evidence, arguments of call/N,
 findall/3 and the like. It says all that is wrong at once. What a program builds at run time (``X =.. [consult, f],
@@ -78,7 +78,8 @@ def _parsed(text: str, file: str, identifier: int) -> Source:
 
 
 _remembered = lru_cache(maxsize=16)(_parsed)
-"""A session asks one program many questions, and each request carries its text: a source is frozen, and is read once."""
+"""A session asks one program many questions, and each request carries its text: a source is frozen, and is read
+once."""
 
 
 def check_source(
@@ -149,7 +150,10 @@ def _closed(known: frozenset[str]) -> frozenset[str] | None:
 
 
 def _is_open(statement: Any) -> bool:  # noqa: ANN401 - a term of ProbLog's
-    """Whether it may define what it does not name: it loads a library that is not all known here, or lets unknown predicates fail."""
+    """Whether it may define what it does not name.
+
+    It loads a library that is not all known here, or lets unknown predicates fail.
+    """
     return any(
         part.signature in LOADERS | {"unknown/1", "module/2"}
         and not any(str(name) in LISTED_LIBRARIES for name in part.args)

@@ -132,7 +132,10 @@ class SafeEngine(DefaultEngine):  # type: ignore[misc]
 
 
 def engine_for(*, trust: bool = False, folder: str = ".") -> tuple[Any, Any]:
-    """An engine and an empty database for it: safe ones, or with trust ProbLog's own, files then being looked for from ``folder``."""
+    """An engine and an empty database for it.
+
+    Safe ones, or with trust ProbLog's own, files then being looked for from ``folder``.
+    """
     if not trust:
         engine = SafeEngine()
         return engine, SafeDB(builtins=engine.get_builtins())

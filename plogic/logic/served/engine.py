@@ -1,4 +1,4 @@
-"""Runs a program through ProbLog in a process of its own, with limits, and turns whatever happens into answers or one clear error.
+"""Runs a program through ProbLog in a process of its own, with limits, to answers or one clear error.
 
 Making the text and running it are two functions; this one runs it. Vocabulary:
 
@@ -168,7 +168,7 @@ _ASKED: contextvars.ContextVar[Callable[[dict[str, Any]], dict[str, Any]] | None
 
 @contextlib.contextmanager
 def through(process: Callable[[dict[str, Any]], dict[str, Any]]) -> Iterator[None]:
-    """Within it every request goes to ``process``, one that stays (``plogic.logic.served.engine``), with limits of its own."""
+    """Send every request within it to ``process``, which stays (``plogic.logic.served.engine``), with its limits."""
     token = _ASKED.set(process)
     try:
         yield

@@ -23,7 +23,9 @@ ALLOWED = ("present", "chosen")
 
 
 def formulas(document: dict[str, Any]) -> dict[str, Any]:
-    """``{"nodes": [...], "answers": [[[shown goal, key], ...] per goal], "single": [...], "given": [keys]}``, or ``{"outside": reason}``.
+    """The proofs' document, or ``{"outside": reason}``.
+
+    ``{"nodes": [...], "answers": [[[shown goal, key], ...] per goal], "single": [...], "given": [keys]}``
 
     A goal is single where it has no variables, so that it has one answer, possible or not. A goal is outside where it,
     or a rule, speaks of other choices: those in ``document["outside"]``, or some of a rule's own.

@@ -1,4 +1,6 @@
-"""What a program consists of: its predicates with their clauses, and its constants, as the session's process reads them.
+"""What a program consists of.
+
+Its predicates with their clauses, and its constants, as the session's process reads them.
 
 Vocabulary: ``Predicate("wet", 0, "wet", "", ("wet :- rain.",))``; ``Outline((Predicate(...), ...), ("front",
 "back"))``.

@@ -1,4 +1,6 @@
-"""The process that runs programs: reads requests from stdin, writes replies to stdout (JSON, one a line), never a traceback.
+"""The process that runs programs.
+
+Reads requests from stdin, writes replies to stdout (JSON, one a line), never a traceback.
 
 The last line that a request gives is its reply; lines before it are what was known by then, where the request asks for
 that (``anytime``). Started by ``plogic.logic.served.engine``, for one request or for a session, so that ProbLog is
@@ -59,7 +61,9 @@ def reply_to(request: dict[str, Any], tell: Tell | None = None) -> dict[str, Any
 
 
 def serve(request: dict[str, Any], tell: Tell | None = None) -> dict[str, Any]:
-    """The reply to a request: ``{"texts": [{"text", "file"}], "goals": [...], "given": [...], "names": {label: atom} | null}`` and a ``task``.
+    """The reply to a request: ``{"texts": [{"text", "file"}], "goals": [...], "given": [...], "names": {label.
+
+    Atom} | null}`` and a ``task``.
 
     Without a task: ``{"answers": [[[goal, p], ...], ...]}``, one list of answers per goal; without goals, one list for
     the program's own query/1. With ``anytime``, ``tell`` gets replies with intervals, ``[goal, low, high]``, before the

@@ -27,7 +27,7 @@ def kb():
 
 
 def test_a_real_run_finds_real_objects(monkeypatch, kb):
-    """Of as many objects as it takes to see that all are counted: three or four in place of five to ten, and a crowd of six."""
+    """Of few objects, which show that all are counted: three or four in place of five to ten, and a crowd of six."""
     monkeypatch.setattr(many, "many_kb", lambda *_: kb)
     few = {OBJECTS: (3, 4), CROWD: (6, 6)}
     monkeypatch.setattr(many, "scene", lambda kb, seed, number=OBJECTS: scene(kb, seed, few[number]))

@@ -31,7 +31,8 @@ def _run_once(monkeypatch):
 def _in_this_process(monkeypatch):
     """The code of the child process without a child for each run, whose imports take longer than the run itself.
 
-    ``test_bench_worlds_stock`` is about the child, and ``test_a_way_that_failed_is_not_tried_at_larger_sizes`` starts it.
+    ``test_bench_worlds_stock`` is about the child.
+    ``test_a_way_that_failed_is_not_tried_at_larger_sizes`` starts it.
     """
 
     def run(text, knowledge, _seconds):

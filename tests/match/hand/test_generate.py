@@ -105,7 +105,7 @@ def rolled(gamma, quarter):
 
 @pytest.fixture(scope="module")
 def in_the_middle(shots):
-    """Five Γ with the right answer that stay in the image when they are turned: in a square of 480 pixels about the centre."""
+    """Five Γ with the right answer, in a square of 480 pixels about the centre: turned, they stay in the image."""
     rows = []
     for name, pose, gamma in shots:
         middle = Gamma(gamma.camera, tuple(a for a in gamma.appearances if abs(a.uv[0] - 319.5) < 239))
