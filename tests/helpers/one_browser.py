@@ -19,6 +19,6 @@ def chromium(tmp_path_factory):
     yield from _started(tmp_path_factory.mktemp("profile"))
 
 
-@pytest.fixture
-def flat_chromium(tmp_path):
-    yield from _started(tmp_path / "profile", "--disable-3d-apis")
+@pytest.fixture(scope="session")
+def flat_chromium(tmp_path_factory):
+    yield from _started(tmp_path_factory.mktemp("flat"), "--disable-3d-apis")
