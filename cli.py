@@ -1,7 +1,5 @@
 """The command line: one function a command, which parses, calls and prints. Everything else is in the packages."""
 
-from __future__ import annotations
-
 import os
 import sys
 from pathlib import Path
@@ -63,7 +61,7 @@ def cli() -> None:
 def demo(out: Path | None, seed: int, reading: Any, look_again: bool, as_json: bool) -> None:
     """Show the two towers: from a simulated camera's pixels to ranked worlds, a picture and a page."""
     if look_again:
-        from plogic.face.commands.demo_look_again import run_look_again
+        from plogic.face.commands.demo import run_look_again
 
         if reading == "score":
             raise click.UsageError("--look-again: is in the posterior reading; leave --reading out")

@@ -4,11 +4,13 @@ Run as ``python benchmarks/weighed_libraries.py`` where ``pip install python-fcl
 before; none of them is a dependency. The table that it prints is in docs/dependencies.md.
 """
 
+import argparse
 import time
 import tracemalloc
 from collections.abc import Callable, Iterator
 from functools import partial
 from importlib import import_module
+from importlib.util import find_spec
 from pathlib import Path
 from statistics import median
 from typing import Any
@@ -26,6 +28,8 @@ from geometry.visibility.rays import RayMesh
 from kb.errors import IntakeError
 from kb.intake.robots import merged, read_xml, urdf_visuals
 
+PEERS = {"python-fcl": "fcl", "coal": "coal", "coacd": "coacd", "yourdfpy": "yourdfpy", "defusedxml": "defusedxml"}
+"""Packages and their modules."""
 PAIRS = 100
 """Pairs of bodies of each kind."""
 
@@ -285,7 +289,12 @@ def answer(call: Callable[[], object]) -> str:
 
 
 def main() -> None:
-    """Print all lines."""
+    """Print all lines, or name what is not installed."""
+    parser = argparse.ArgumentParser(description=(__doc__ or "").partition("\n")[0])
+    parser.parse_args()
+    missing = [package for package, module in PEERS.items() if find_spec(module) is None]
+    if missing:
+        parser.error(f"needs packages that are not installed: pip install {' '.join(missing)}")
     for lines in (pairs(), parts(), described()):
         for line in lines:
             print(line, flush=True)  # noqa: T201 - a script

@@ -39,9 +39,8 @@ __all__ = [
 if TYPE_CHECKING:
     from geometry.errors import PlogicError as Error
     from plogic.face.python.asking import Explanation, Program
-    from plogic.face.python.interpretation import Hypotheses, Hypothesis, Interpretation, Relation, Relations
+    from plogic.face.python.interpretation import Hypotheses, Hypothesis, Interpretation, Measures, Relation, Relations
     from plogic.face.python.knowledge import KnowledgeBase
-    from plogic.face.python.measures import Measures
     from plogic.face.python.perceiving import detect, perceive
     from plogic.face.python.pictures import Camera, Gamma
     from plogic.face.python.sessions import Session
@@ -62,7 +61,7 @@ else:
         "Interpretation": "plogic.face.python.interpretation",
         "KnowledgeBase": "plogic.face.python.knowledge",
         "Measure": "plogic.run.measured",
-        "Measures": "plogic.face.python.measures",
+        "Measures": "plogic.face.python.interpretation",
         "Predictions": "plogic.face.session.results",
         "Program": "plogic.face.python.asking",
         "Relation": "plogic.face.python.interpretation",

@@ -11,7 +11,7 @@ from __future__ import annotations
 
 import json
 import tempfile
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from time import perf_counter
 from typing import TYPE_CHECKING, Any
@@ -101,11 +101,12 @@ def learned(folder: Path, seed: int, *, quick: bool, say: Callable[[str], None])
     from benchmarks.recognition.kb import LEARNING, learn_into
     from benchmarks.recognition.scenes import ycb_meshes
     from kb.files.read import read_kb
-    from plogic.face.authoring.kb_learn_photo import Sources, learn_photo_command
+    from plogic.face.authoring.kb_learn_photo import learn_photo_command
+    from plogic.face.shown.options import Photo
 
     learn_into(folder, {} if quick else ycb_meshes(), say, seed)
-    sources = Sources(DATA / "photo.jpg", MARKS / "photo_points.yaml", None, DATA / "box.ply", "cm")
-    learn_photo_command(str(folder), ["box"], sources, {**LEARNING, "seed": seed}, say=say)
+    sources = Photo(DATA / "photo.jpg", MARKS / "photo_points.yaml", None, DATA / "box.ply", "cm")
+    learn_photo_command(str(folder), ["box"], sources, replace(LEARNING, seed=seed), say=say)
     return read_kb(folder)
 
 

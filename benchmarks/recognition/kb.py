@@ -9,12 +9,13 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from benchmarks.recognition.score import Found
 from plogic.base.errors import InputError
+from plogic.face.shown.options import Learning
 
 if TYPE_CHECKING:
     from pathlib import Path
@@ -24,7 +25,7 @@ if TYPE_CHECKING:
     from benchmarks.recognition.peer import Learned
     from geometry.camera import Camera
 
-LEARNING: Mapping[str, Any] = {"detector": "sift", "jobs": 2, "as_json": False}
+LEARNING = Learning(detector="sift", jobs=2)
 """What ``kb learn`` is asked for besides the seed."""
 Recognise = Callable[["NDArray[np.uint8]", "Camera"], list[Found]]
 """(H, W, 3) uint8 image, blue first, and its camera without a pose in, accepted objects out."""
@@ -65,4 +66,4 @@ def learn_into(folder: Path, meshes: Mapping[str, Path], say: Callable[[str], No
         say(f"adding {name}")
         add_command(name, mesh, "m", folder, as_json=False)
     if meshes:
-        learn_command(str(folder), list(meshes), {**LEARNING, "seed": seed}, say=say)
+        learn_command(str(folder), list(meshes), replace(LEARNING, seed=seed), say=say)

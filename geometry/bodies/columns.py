@@ -124,7 +124,7 @@ def stands(x: Body, y: Body, tolerance: float) -> Contact | None:
 
 
 def steady(contacts: list[Contact], tolerance: float) -> bool:
-    """Whether X, which stands there, stays: its centre of mass is over the hull of these patches together, but for `tolerance` m."""
+    """Whether X stays: its centre of mass is over the hull of these patches together, but for `tolerance` m."""
     hull = shapely.convex_hull(shapely.union_all([one.patch for one in contacts]))
     return bool(shapely.distance(hull, shapely.Point(contacts[0].foot)) <= tolerance)
 

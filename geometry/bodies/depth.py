@@ -1,4 +1,4 @@
-"""Penetration depth of two solids (A4, §3.1): the shortest move, without a turn, after which the one shares no volume with the other.
+"""Penetration depth of two solids (A4, §3.1): the shortest move after which they share no volume. It does not turn.
 
 Of convex bodies it is the distance of the origin to the boundary of their Minkowski difference, exactly. Of concave
 ones, cut into convex parts, it is the shortest move out of all differences of two parts: found by trying, at the
@@ -87,7 +87,9 @@ def _corners(body: Any) -> Floats:  # noqa: ANN401 - as above
 
 
 def _notches(part: Any) -> Iterator[tuple[list[float], float]]:  # noqa: ANN401 - as above
-    """Planes (unit normal, offset) of the facets beside reflex edges, those first over which a neighbour rises highest; none for too many.
+    """Planes (unit normal, offset) of the facets beside reflex edges; none where there are too many.
+
+    Those come first over which a neighbour rises highest.
 
     In single precision a plane may run beside the part that it was cut along before: then it cuts nothing off, and
     another is tried.
@@ -157,7 +159,10 @@ class Depth(NamedTuple):
 
 
 class _Difference(NamedTuple):
-    """Moves p of the second that leave it in the first: normals (F, 3) · p < reach (F,) m, the convex polytope of ``corners`` (V, 3) m."""
+    """Moves p of the second that leave it in the first: normals (F, 3) · p < reach (F,) m.
+
+    They are the convex polytope of ``corners`` (V, 3) m.
+    """
 
     normals: Floats
     reach: Floats
@@ -217,7 +222,10 @@ def _difference(p: Floats, q: Floats, *, whole: bool) -> _Difference | None:
 
 
 def _near_the_origin(p: Floats, q: Floats) -> Floats:
-    """Corners (N, 3) of the difference, enough to tell where its boundary is nearest: a polytope that grows there till it reaches it (EPA)."""
+    """Corners (N, 3) of the difference, enough to tell where its boundary is nearest.
+
+    A polytope grows there until it reaches the boundary (EPA).
+    """
     hull = ConvexHull(_supports(p, q, np.concatenate([np.eye(3), -np.eye(3)])), incremental=True)
     while True:
         reach = -hull.equations[:, 3]
@@ -254,7 +262,10 @@ def _way_out(differences: list[_Difference]) -> tuple[float, Floats]:
 
 
 def _straight_out(differences: list[_Difference]) -> Floats:
-    """The shortest move (3,) along one facet's normal that leaves all the polytopes behind it: an upper bound, the depth itself for one polytope."""
+    """The shortest move (3,) along one facet's normal that leaves all the polytopes behind it.
+
+    It is an upper bound, and the depth itself for one polytope.
+    """
     ways = np.concatenate([one.normals for one in differences])
     reach = np.max([(one.corners @ ways.T).max(axis=0) for one in differences], axis=0)
     shortest = int(reach.argmin())
@@ -280,7 +291,10 @@ def _shortest(outside: Floats) -> Floats | None:
 
 
 def inscribed_radius(body: Any) -> float:  # noqa: ANN401 - manifold3d ships no types
-    """Radius, m, of the largest of some balls inside a body of manifold3d: each about the middle of a chord at right angles to a large facet."""
+    """Radius, m, of the largest of some balls inside a body of manifold3d.
+
+    Each is about the middle of a chord at right angles to a large facet.
+    """
     mesh = body.to_mesh64()
     vertices, triangles = np.asarray(mesh.vert_properties)[:, :3], np.asarray(mesh.tri_verts).astype(np.int64)
     corners = vertices[triangles]

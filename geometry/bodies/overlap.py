@@ -60,7 +60,10 @@ class Solid:
         return volume if volume > _ROUNDING * min(self.volume, other.volume) else 0.0
 
     def pieces(self, own_from_other: ArrayLike, other: "Solid") -> list[Floats]:
-        """Corners (N, 3) m, in this one's frame, of each connected piece of the volume shared with `other`, posed by `own_from_other` (4, 4)."""
+        """Corners (N, 3) m, in this one's frame, of each connected piece of the volume shared with `other`.
+
+        `other` is posed by `own_from_other` (4, 4).
+        """
         T = last_axes(own_from_other, (4, 4), "own_from_other")
         if not self.shared(T, other) > 0.0:
             return []
@@ -115,8 +118,9 @@ def reach(a: Solid, T_a: ArrayLike, b: Solid, T_b: ArrayLike) -> Reach | None:
 
 
 def reaches(a: Solid, T_a: ArrayLike, b: Solid, T_b: ArrayLike) -> list[Reach]:
-    """The least width of each connected piece of the volume that `a` and `b` share, posed by `T_a` and `T_b` (4, 4) into one common frame.
+    """The least width of each connected piece of the volume that `a` and `b` share.
 
+    Both are posed by `T_a` and `T_b` (4, 4) into one common frame.
     Two that interlock share pieces far from each other, of which the hull would span what neither fills.
     """
     own_from_other = inverse(T_a) @ last_axes(T_b, (4, 4), "T_b")
@@ -248,7 +252,7 @@ def spread(rays: RayMesh) -> Spread:
 
 
 def nearest_places(corners: Floats, place: Floats) -> Floats:
-    """Of each triangle of `corners` (T, 3, 3) the place (T, 3) that is nearest to `place` (3,): in its inside, or on an edge."""
+    """The places (T, 3), one on each triangle of `corners` (T, 3, 3), that are nearest to `place` (3,)."""
     sides = np.roll(corners, -1, axis=1) - corners
     length = (sides**2).sum(axis=2)
     share = np.clip(((place - corners) * sides).sum(axis=2) / np.where(length > 0.0, length, 1.0), 0.0, 1.0)

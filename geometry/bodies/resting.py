@@ -1,4 +1,4 @@
-"""How bodies rest: the faces that each can stand on, the moves that leave it standing on a plane, and where two bodies touch.
+"""How bodies rest: the faces that each can stand on, the moves that leave it standing, and where two bodies touch.
 
 * ``Plane``: ``Plane(up=array([0.0, -1.0, 0.0]), offset=0.4)``, the places x with up·x + offset = 0; what rests on it is
   above
@@ -46,7 +46,10 @@ class Plane:
 
     @property
     def moves(self) -> Floats:
-        """(6, 3) the steps (w, v) of ``geometry.poses.refine`` that leave resting what rests: a turn about ``up``, and two moves along the plane."""
+        """(6, 3) the steps (w, v) of ``geometry.poses.refine`` that leave resting what rests.
+
+        They are a turn about ``up``, and two moves along the plane.
+        """
         result = np.zeros((6, 3))
         result[:3, 0], result[3:, 1:] = self.up, along_plane(self.up)
         return result
@@ -63,7 +66,7 @@ class RestingFaces:
     reach: Floats
 
     def planes(self, pose: Floats) -> tuple[Floats, Floats]:
-        """``up`` (K, 3) and ``offset`` (K,) of the planes that a body at ``pose`` (4, 4) would stand on, in the frame that it is posed in."""
+        """``up`` (K, 3) and ``offset`` (K,) of the planes that a body at ``pose`` (4, 4) would stand on, in its frame."""
         up = -self.down @ pose[:3, :3].T
         return up, self.reach - up @ pose[:3, 3]
 

@@ -242,8 +242,9 @@ _INWARD = 0.02  # how far a corner's point is drawn towards the crossing's middl
 
 
 def samples_inside(common: Area, pair: tuple[PosedSurface, PosedSurface], camera: Camera) -> Iterator[Floats]:
-    """Ideal pixels (N, 2) inside the `common` interior of the two images: first the even ones, then the sure ones, which cost more.
+    """Ideal pixels (N, 2) inside the `common` interior of the two images.
 
+    First come the even ones, then the sure ones, which cost more.
     At least one for an interior not empty.
     """
     shapely.prepare(common)

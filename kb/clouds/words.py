@@ -48,7 +48,7 @@ class Words:
         return np.asarray(~self.centroids[:, :POINT].any(axis=1)) if wide else np.zeros(len(self.centroids), bool)
 
     def nearest_side(self, looks: NDArray[np.uint8], /) -> NDArray[np.int64]:
-        """(N,) index of the word nearest to the looks (N, 5) of sides of edges, among the words of sides, of which there must be one."""
+        """(N,) index of the word nearest to the looks (N, 5) of sides of edges, among the words of sides, at least one."""
         some = np.flatnonzero(self.sided)
         words = self.centroids[some, POINT : POINT + SIDE].astype(np.float32)
         apart = (words**2).sum(axis=1) - 2.0 * (looks.astype(np.float32) @ words.T)
@@ -131,7 +131,10 @@ def dominant(
 
 
 def worded(clouds: Mapping[str, LearnedCloud], seed: int = 0) -> tuple[Words, dict[str, LearnedCloud]]:
-    """The words of at least one cloud by name, all of one detector, and the clouds with their words: the same clouds give the same words."""
+    """The words of at least one cloud by name, all of one detector, and the clouds with their words.
+
+    The same clouds give the same words.
+    """
     names = sorted(clouds)
     width = min(clouds[name].descriptor.shape[1] for name in names)  # one learned from a grey photo: no colours for any
     words = learn_words(np.concatenate([clouds[name].descriptor[:, :width] for name in names]), seed)

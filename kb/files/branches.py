@@ -61,7 +61,10 @@ def rotation_matrix(model: RotationModel | None) -> NDArray[np.float64]:
 
 
 def held(raw: object) -> Iterator[tuple[Keys, Kind, Any]]:
-    """What hangs directly below a node of any document: (keys from the node, kind, document), in the order of ``Branch.parts``."""
+    """What hangs directly below a node of any document, in the order of ``Branch.parts``.
+
+    Each is (keys from the node, kind, document).
+    """
     for key, kind in LISTS.items():
         items = raw.get(key) if isinstance(raw, dict) else None
         for index, item in enumerate(items if isinstance(items, list) else ()):

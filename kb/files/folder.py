@@ -44,7 +44,7 @@ _TAGS = {f"tag:yaml.org,2002:{name}" for name in ("str", "int", "float", "bool",
 
 @dataclass(frozen=True, eq=False)
 class Document:
-    """One YAML file: its ``data`` (dicts, lists, str, int, float, bool, None), its node graph, and what was wrong with the text."""
+    """One YAML file: its plain ``data``, its node graph, and what was wrong with the text."""
 
     file: str
     data: Any
@@ -81,7 +81,10 @@ class Document:
 
     @cached_property
     def _children(self) -> dict[int, dict[str | int, tuple[Node, Node]]]:
-        """Of the mappings that were asked, by the id of their node, the key and the value of each name: a long one is not walked for each mistake."""
+        """The key and the value of each name, by the id of a mapping's node, of the mappings that were asked.
+
+        A long one is not walked for each mistake.
+        """
         return {}
 
 

@@ -5,8 +5,6 @@ very improbable is lifted to ``LEAST``, in the program text and in the exact wor
 impossible.
 """
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 
 LEAST = 1e-8

@@ -10,8 +10,6 @@ be by the next process that starts one.
 * ``Scratch()``: a folder that goes when its process does, by itself or by the next process that makes such a folder
 """
 
-from __future__ import annotations
-
 import contextlib
 import ctypes
 import fcntl

@@ -4,8 +4,6 @@ Without a limit no clock is read, so that the answer depends on nothing but the 
 ``Stopwatch`` has the times of the stages of one run, in seconds of wall clock; they never enter a result.
 """
 
-from __future__ import annotations
-
 import math
 import time
 from collections.abc import Iterator
@@ -37,11 +35,11 @@ class Clock:
         if self.end is not None and time.monotonic() >= self.end:
             raise OutOfTimeError
 
-    def some(self, share: float) -> Clock:
+    def some(self, share: float) -> "Clock":
         """A clock for a job that is to take at most this share of what is left."""
         return self if self.end is None else Clock(share * self.left())
 
-    def share(self, count: int) -> Clock:
+    def share(self, count: int) -> "Clock":
         """A clock for the first of ``count`` jobs that are to share what is left."""
         return Clock(None if self.end is None else self.left() / count)
 

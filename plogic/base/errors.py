@@ -20,8 +20,6 @@
         └── LimitError                    the inference ran out of its time or memory
 """
 
-from __future__ import annotations
-
 from geometry.errors import PlogicError, told
 
 

@@ -11,8 +11,6 @@ mapped a file of a deleted folder keeps it.
 * ``forget_files_beside(place)``: so of files ``<64 hex digits>.npz``
 """
 
-from __future__ import annotations
-
 import ast
 import hashlib
 import json

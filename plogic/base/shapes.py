@@ -9,8 +9,6 @@ A shape is strict: a key that it does not name is a mistake, a truth value is no
 Why this and no library: docs/dependencies.md.
 """
 
-from __future__ import annotations
-
 import sys
 from collections.abc import Callable, Iterable, Sequence
 from functools import cache

@@ -1,7 +1,5 @@
 """Walks over graphs of any kind, each node that is reached once, depth first; and groups."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Iterable, Iterator
 from typing import TypeVar
 

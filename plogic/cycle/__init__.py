@@ -1,1 +1,4 @@
-"""The perceptual cycle (figure 1): attention, judging, accepting and releasing, its trace, and the facts that a run leaves."""
+"""The perceptual cycle (figure 1).
+
+Attention, judging, accepting and releasing, its trace, and the facts that a run leaves.
+"""

@@ -1,4 +1,6 @@
-"""Choose Δi and make it stable (figure 1, §7): objects kept apart (A4), every ev taken anew beside the others, what no longer holds released.
+"""Choose Δi and make it stable (figure 1, §7).
+
+Objects kept apart (A4), every ev taken anew beside the others, what no longer holds released.
 
 Which hypotheses are accepted is one function of what was judged, and another can take its place.
 

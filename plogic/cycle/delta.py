@@ -53,7 +53,7 @@ class Drawn(NamedTuple):
 def relations_of(
     posed: Mapping[str, Hypothesis], pairs: Sequence[tuple[str, str]], camera: Camera
 ) -> tuple[PairFact, ...]:
-    """The occlusion relation of each pair of hypotheses that have surfaces, of the ordered pair that it is said of (§3.6)."""
+    """The occlusion relation of each pair of hypotheses with surfaces, and the ordered pair it is said of (§3.6)."""
     named = dict.fromkeys(name for pair in pairs for name in pair)
     bodies = {
         name: _drawn(surface, posed[name], camera)
@@ -193,7 +193,10 @@ def _share_volume(one: Hypothesis, other: Hypothesis) -> bool:
 def unpruned(
     data: Data, kb: KnowledgeBase, models: Iterable[TypeModel], dv: Mapping[str, float], options: Options, most: int
 ) -> Delta:
-    """Δh before anything is accepted or rejected: every distinct pose that the search comes to on the whole of Γ, the ``most`` of greatest worth."""
+    """Δh before anything is accepted or rejected.
+
+    Every distinct pose that the search comes to on the whole of Γ, the ``most`` of greatest worth.
+    """
     found = [judged(posed, data, kb, dv) for model in models for _, posed in model.proposals(data, kb, EVERY)]
     best = tuple(sorted(found, key=lambda b: -b.worth)[:most])
     return delta_of(Cycle((), best, (), (), Trace()), data, kb, dv, options)

@@ -1,4 +1,6 @@
-"""Judge a hypothesis beside Δi: Expected, Detected, the four cases, ev and evidence, on the data left free (§4, §5.5, §7).
+"""Judge a hypothesis beside Δi.
+
+Expected, Detected, the four cases, ev and evidence, on the data left free (§4, §5.5, §7).
 
 What is not accepted is told from the rivals of Δi: a rival would be accepted in the place of what it conflicts with.
 """
@@ -36,7 +38,7 @@ def judge(
     left: Mask | None = None,
     anew: bool = True,
 ) -> Hypothesis:
-    """A hypothesis beside these, matched on the data ``left`` (A,) that they do not claim, or refined by so many ``rounds``.
+    """A hypothesis beside these, matched on the data ``left`` (A,) that they do not claim, or refined in ``rounds``.
 
     The features that they hide are not expected; those that A4 excludes beside it are rivals and hide nothing (D7). Not
     ``anew``: it is matched so already.
@@ -98,7 +100,10 @@ def _excluded(state: State, hypothesis: Hypothesis) -> str | None:
 
 
 def _harm(task: Task, accepted: Sequence[Hypothesis], hypothesis: Hypothesis) -> float:
-    """What the accepted ones would lose if this stood before them: at most 0, for to hide a detected feature is counter-evidence."""
+    """What the accepted ones would lose if this stood before them.
+
+    At most 0, for to hide a detected feature is counter-evidence.
+    """
     change = 0.0
     for other in accepted if hypothesis.opaque else ():
         before = hidden_among(other, accepted)

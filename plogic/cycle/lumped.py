@@ -1,4 +1,6 @@
-"""What an interpretation need not tell feature by feature: the many features of a learned type that this view leads nobody to expect.
+"""What an interpretation need not tell feature by feature.
+
+The many features of a learned type that this view leads nobody to expect.
 
 A type learned from a mesh has up to 4,000 features, of which one view shows a hundred. The others are case B in every
 world: not expected, since the hypothesis alone does not lead to expect them, and not detected, since nothing is matched
@@ -47,13 +49,19 @@ def told(posed: Hypothesis) -> list[int]:
 
 
 def told_as(posed: Hypothesis, f: int) -> Feature:
-    """What the seen feature ``f`` is told as: a learned compound by the part that stands for it, its other parts as themselves."""
+    """What the seen feature ``f`` is told as.
+
+    A learned compound by the part that stands for it, its other parts as themselves.
+    """
     kind = posed.object_type
     return kind.features[kind.whole[f]] if posed.stands[f] else kind.seen_features[f]
 
 
 def counts(posed: Hypothesis, f: int) -> int:
-    """For how many maximal features the seen feature ``f`` stands: one, or, as a part of a compound that another part stands for, none."""
+    """For how many maximal features the seen feature ``f`` stands.
+
+    One, or, as a part of a compound that another part stands for, none.
+    """
     return int(posed.stands[f])
 
 
@@ -143,7 +151,10 @@ def support_document(posed: Hypothesis, dv: Mapping[str, float]) -> dict[str, Ce
 
 
 def looked_at(posed: Hypothesis, ids: Sequence[str], dv: Mapping[str, float]) -> list[LookedRow]:
-    """Of a rejected hypothesis of a learned type, where its features were expected or found: to be looked at, nothing is computed from them."""
+    """Of a rejected hypothesis of a learned type, where its features were expected or found.
+
+    To be looked at, nothing is computed from them.
+    """
     if told_in_full(posed):
         return []
     return [*(_looked(posed, f, ids) for f in told(posed)), *(_rest_looked(rest) for rest in lumped(posed, dv))]

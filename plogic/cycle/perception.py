@@ -36,7 +36,10 @@ def attend(models: Iterable[TypeModel], types: Sequence[str], kb: KnowledgeBase)
 
 
 def chance_types(kb: KnowledgeBase, number: int) -> list[str]:
-    """What ``number`` appearances of clutter alone would be: each type in proportion to its clutter rate, rounded down."""
+    """What ``number`` appearances of clutter alone would be.
+
+    Each type in proportion to its clutter rate, rounded down.
+    """
     rates = {name: kb.rates.clutter.get(name, 1.0) for name in kb.appearance_types}
     total = sum(rates.values()) or 1.0
     return [name for name, rate in rates.items() for _ in range(int(number * rate / total))]
@@ -74,7 +77,7 @@ def recalled(task: Task, state: State, seeds: Sequence[Seed]) -> tuple[State, li
 def more_to_see(
     task: Task, state: State, attention: Sequence[Attention], usual: Mapping[str, int]
 ) -> tuple[State, tuple[Attention, ...]]:
-    """The types to search for: all, but none where what is remembered explains all but clutter, or what is ``usual``."""
+    """The types to search for: all, or none where what is remembered, or ``usual``, explains all but clutter."""
     if not state.accepted:
         return state, tuple(attention)
     with suppress(OutOfTimeError):  # what is remembered is accepted only when it is stable here
@@ -152,7 +155,7 @@ def rounds(task: Task, state: State, choose: Choice = best_first) -> Iterator[St
 
 
 def choose_of_before(task: Task, state: State, choose: Choice) -> Iterator[State]:
-    """Accept what was proposed before and can be accepted, of types whose search would rather keep it than search again."""
+    """Accept earlier proposals that can be accepted, of types whose search would rather keep one than search again."""
     yield (state := judged(task, state))
     proposed = [proposal.hypothesis for proposal in state.proposals]
     ready = [h for h in proposed if _keeps(task, h) and refusal(task, state, h) is None]

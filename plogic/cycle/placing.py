@@ -208,7 +208,10 @@ NO_UP = "the camera does not know its place in the world, so nobody knows which 
 
 
 class Laid(NamedTuple):
-    """A posed body in the world: ``allowed`` m of contact, ``covariance`` (6, 6) of turning about its ``middle`` (3,), rad, and moving, m."""
+    """A posed body in the world: ``allowed`` m of contact, ``covariance`` (6, 6) of its turn and move.
+
+    Rad about its ``middle`` (3,), and metres.
+    """
 
     name: str
     surface: Surface
@@ -314,7 +317,9 @@ def _rests(x: Laid, y: Laid, bodies: Bodies) -> bool:
 
 
 def _from_above(touch: Touch, x: Laid, y: Laid, over: float, *, solid: bool) -> bool:
-    """Whether the touch is one, and holds X: it is below it, or beside it where X as a whole is ``over`` Y, m, but for what poses may be off.
+    """Whether the touch is one, and holds X.
+
+    It is below it, or beside it where X as a whole is ``over`` Y, m, but for what poses may be off.
 
     Where both are not ``solid``, one of them a hull that stands in, a deep touch is of what the hull adds, for A4 lets
     them be together.

@@ -1,4 +1,4 @@
-"""Propose poses on the plane that accepted objects stand on, where gravity holds (its constraint: ``plogic.facts.spatial``).
+"""Propose poses on the plane under accepted objects, where gravity holds (``plogic.facts.spatial``).
 
 What two accepted objects or more stand on is one plane. What else stands there is then looked for on it alone, with far
 fewer ways to stand than a free body has poses; what leans, hangs or lies on something else is found as before, by the
@@ -38,7 +38,10 @@ class Support(NamedTuple):
 
 
 class _Stand(NamedTuple):
-    """One way in which an object may stand: whose it is, the plane's normal (3,), its middle (3,), and the middle's height above the plane."""
+    """One way in which an object may stand.
+
+    Whose it is, the plane's normal (3,), its middle (3,), and the middle's height above the plane.
+    """
 
     owner: int
     up: Floats

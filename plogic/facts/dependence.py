@@ -9,22 +9,16 @@ Structure only, no numbers. Vocabulary:
   joint states)
 """
 
-from __future__ import annotations
-
+from collections.abc import Iterable
 from contextlib import suppress
 from dataclasses import dataclass
 from functools import cached_property
 from graphlib import CycleError, TopologicalSorter
-from typing import TYPE_CHECKING
 
 from plogic.base.errors import TooManyHypothesesError
 from plogic.base.walk import by_key
-
-if TYPE_CHECKING:
-    from collections.abc import Iterable
-
-    from plogic.facts.hypothesis import FeatureFact, Hypothesis
-    from plogic.facts.situation import Reconsider, Situation
+from plogic.facts.hypothesis import FeatureFact, Hypothesis
+from plogic.facts.situation import Reconsider, Situation
 
 MOST_OCCLUDERS = 6
 """Occluders per hypothesis that a context lists (§8, mode `drop`)."""

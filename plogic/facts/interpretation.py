@@ -5,10 +5,10 @@ are inverse on everything that decides a probability (tested). A file is held to
 ``plogic.facts.document`` and then to ``plogic.facts.sanity``; each tells all of its mistakes.
 """
 
-from __future__ import annotations
-
 import json
-from typing import TYPE_CHECKING, Final, cast
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import Final, cast
 
 import numpy as np
 
@@ -16,16 +16,11 @@ from geometry.files.plain_files import json_of
 from plogic.base.errors import InterpretationError
 from plogic.base.shapes import mistakes
 from plogic.facts.document import Case, FeatureRow, HypothesisFacts, HypothesisRow, Interpretation, StandsKey
+from plogic.facts.fact_rows import Fact, RelatedRow
 from plogic.facts.hypothesis import FeatureFact, Hypothesis, PartFact
 from plogic.facts.sanity import faults
 from plogic.facts.situation import AppearanceFact, PairFact, Situation, stopped_in
 from plogic.facts.spatial import gravity_facts, gravity_of, overlap_document, space_of
-
-if TYPE_CHECKING:
-    from collections.abc import Mapping, Sequence
-    from pathlib import Path
-
-    from plogic.facts.fact_rows import Fact, RelatedRow
 
 FORMAT: Final = "interpretation/1"
 LARGEST = 256 * 2**20

@@ -1,23 +1,16 @@
 """A situation is checked before anything is made of it: it may come from a file that a stranger wrote."""
 
-from __future__ import annotations
-
 import math
 from collections import Counter
-from typing import TYPE_CHECKING
+from collections.abc import Iterable, Iterator
 
 from geometry.visibility.roc import ROC20, coarse
 from plogic.base.errors import SituationError
-from plogic.facts.spatial import GROUND, Gravity
+from plogic.facts.hypothesis import FeatureFact, Hypothesis
+from plogic.facts.situation import PairFact, Situation
+from plogic.facts.spatial import GROUND, Gravity, Space
 
-if TYPE_CHECKING:
-    from collections.abc import Iterable, Iterator
-
-    from plogic.facts.hypothesis import FeatureFact, Hypothesis
-    from plogic.facts.situation import PairFact, Situation
-    from plogic.facts.spatial import Space
-
-    Ids = frozenset[str]
+Ids = frozenset[str]
 
 
 def check(situation: Situation) -> None:

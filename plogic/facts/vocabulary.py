@@ -11,8 +11,6 @@ the choices.
 bodies, not of origins of meshes: docs/space.md has the definitions, the frames and the tolerances.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 

@@ -10,8 +10,6 @@ says twice the same of one variable, makes no step. No weight of a joint state o
 exactly one continuation.
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 
@@ -33,21 +31,21 @@ class Literal:
 class Not:
     """The part does not hold."""
 
-    part: Formula
+    part: "Formula"
 
 
 @dataclass(frozen=True, eq=False)
 class And:
     """All parts hold."""
 
-    parts: tuple[Formula, ...]
+    parts: "tuple[Formula, ...]"
 
 
 @dataclass(frozen=True, eq=False)
 class Or:
     """Some part holds."""
 
-    parts: tuple[Formula, ...]
+    parts: "tuple[Formula, ...]"
 
 
 Formula = Literal | Not | And | Or

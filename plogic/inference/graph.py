@@ -15,25 +15,18 @@ Vocabulary, each with an example value:
 ``aligned`` puts a table's axes where another table has them; ``product``, ``log_sum`` and ``sliced`` compute with tables.
 """
 
-from __future__ import annotations
-
 import math
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, NamedTuple, TypeVar
+from typing import Any, NamedTuple, TypeVar
 
 import numpy as np
+from numpy.typing import NDArray
 
 from plogic.base.walk import by_key
 
-if TYPE_CHECKING:
-    from collections.abc import Iterable, Sequence
-
-    from numpy.typing import NDArray
-
-    Tables = tuple[tuple[tuple[int, ...], NDArray[np.float64]], ...]
-    from collections.abc import Mapping
-
-    Scoped = tuple[tuple[int, ...], NDArray[np.float64]]
+Tables = tuple[tuple[tuple[int, ...], NDArray[np.float64]], ...]
+Scoped = tuple[tuple[int, ...], NDArray[np.float64]]
 
 
 @dataclass(frozen=True)

@@ -13,13 +13,12 @@ passes over a tree of buckets. Else it is solved case by case: the variables of 
 small tables (J. Pearl's conditioning; loop-cutset and w-cutset of Dechter).
 """
 
-from __future__ import annotations
-
 import math
 from collections import OrderedDict
+from collections.abc import Callable, Sequence
 from contextlib import suppress
 from functools import lru_cache
-from typing import TYPE_CHECKING, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 
@@ -38,14 +37,9 @@ from plogic.inference.order import (
     neighbours,
     order_along,
 )
-from plogic.inference.passes import impossible, joint, two_way
+from plogic.inference.passes import Solved, impossible, joint, two_way
 
-if TYPE_CHECKING:
-    from collections.abc import Callable, Sequence
-
-    from plogic.inference.passes import Solved
-
-    Key = tuple[tuple[int, ...], tuple[tuple[int, ...], ...], tuple[bytes, ...], float]
+Key = tuple[tuple[int, ...], tuple[tuple[int, ...], ...], tuple[bytes, ...], float]
 
 
 class Cutset(NamedTuple):

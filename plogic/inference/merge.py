@@ -10,15 +10,10 @@ Streams ask for what they need instead of calling each other: a chain of thousan
 stack.
 """
 
-from __future__ import annotations
-
 import heapq
-from typing import TYPE_CHECKING
+from collections.abc import Iterator, Sequence
 
-if TYPE_CHECKING:
-    from collections.abc import Iterator, Sequence
-
-    from plogic.base.clock import Clock
+from plogic.base.clock import Clock
 
 STEPS_A_LOOK = 64  # steps between two looks at the clock
 
@@ -32,7 +27,7 @@ class Stream:
         self.found: list[int] = []
         self.done = False
 
-    def advance(self) -> tuple[Stream, int] | None:
+    def advance(self) -> "tuple[Stream, int] | None":
         """Come nearer to the next solution; or say which solution (stream, rank) must be found before."""
         raise NotImplementedError
 

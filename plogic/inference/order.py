@@ -17,8 +17,6 @@ than one of ten.
   the message of bucket 1 enter it
 """
 
-from __future__ import annotations
-
 import heapq
 import math
 from collections.abc import Callable, Iterable, Mapping, Sequence

@@ -15,26 +15,18 @@ to less than ``MOST_SPREAD``: then no positive product can underflow, and both w
   separator)
 """
 
-from __future__ import annotations
-
 import math
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from itertools import accumulate, groupby
-from typing import TYPE_CHECKING
 
 import numpy as np
+from numpy.typing import NDArray
 
-from plogic.inference.graph import aligned
+from plogic.inference.graph import Tables, aligned
+from plogic.inference.order import Bucket
 
-if TYPE_CHECKING:
-    from collections.abc import Callable, Sequence
-
-    from numpy.typing import NDArray
-
-    from plogic.inference.graph import Tables
-    from plogic.inference.order import Bucket
-
-    Solved = tuple[float, tuple[NDArray[np.float64], ...]]
+Solved = tuple[float, tuple[NDArray[np.float64], ...]]
 
 MOST_SPREAD = 600.0  # e^-600 is 1e-261: far above the least positive double, 1e-308
 LARGE_PRODUCT = 1 << 12  # cells from which plain numbers pay

@@ -17,15 +17,14 @@ The joint states of a small graph are sorted at once in one table (``whole``). A
 below the sum of the tables' greatest entries, so that the best states' costs have the least noise.
 """
 
-from __future__ import annotations
-
 import functools
 import math
 import operator
+from collections.abc import Iterator
 from itertools import accumulate, islice, pairwise
-from typing import TYPE_CHECKING
 
 import numpy as np
+from numpy.typing import NDArray
 
 from plogic.base.clock import Clock, OutOfTimeError
 from plogic.inference.graph import FactorGraph, Part, split
@@ -34,12 +33,7 @@ from plogic.inference.merge import Stream, sums
 from plogic.inference.ranked_component import component, wide
 from plogic.inference.ranked_tables import DIGITS, Digits, joint, placed
 
-if TYPE_CHECKING:
-    from collections.abc import Iterator
-
-    from numpy.typing import NDArray
-
-    State = tuple[float, tuple[int, ...]]
+State = tuple[float, tuple[int, ...]]
 
 STATES = 1 << 10  # joint states up to which a graph is small
 FACTORS = 64  # likewise

@@ -14,32 +14,23 @@ gets the mean of their least costs per state (A. Ihler et al., Join-graph based 
 leaves their sum as it is.
 """
 
-from __future__ import annotations
-
 import functools
 import heapq
 import math
 import operator
-from typing import TYPE_CHECKING
+from collections.abc import Sequence
 
 import numpy as np
+from numpy.typing import NDArray
 
+from plogic.base.clock import Clock
 from plogic.base.errors import LimitError
 from plogic.inference.graph import Part, aligned, in_groups
 from plogic.inference.merge import Stream, nothing, product
-from plogic.inference.ranked_tables import Cells, Coder, Digits, Joint, costs, least, placed, total
+from plogic.inference.order import Bucket, Order
+from plogic.inference.ranked_tables import Cells, Coder, Costs, Digits, Joint, Table, costs, least, placed, total
 
-if TYPE_CHECKING:
-    from collections.abc import Sequence
-
-    from numpy.typing import NDArray
-
-    from plogic.base.clock import Clock
-    from plogic.inference.graph import Part
-    from plogic.inference.order import Bucket, Order
-    from plogic.inference.ranked_tables import Costs, Table
-
-    Term = tuple[tuple[int, ...], Table]  # variables of the piece, one axis each
+Term = tuple[tuple[int, ...], Table]  # variables of the piece, one axis each
 
 _AXES = operator.attrgetter("ndim")
 KEPT_COSTS = (
@@ -95,7 +86,7 @@ class Node:
         ]
         return total(rows, self.column_cards, self.impossible).reshape(-1)
 
-    def link(self, child: Node) -> None:
+    def link(self, child: "Node") -> None:
         """Know how a row of the child follows from the own row and column: one stride an own axis."""
         stride, strides = 1, {}
         for v, card in zip(reversed(child.rows), reversed(child.row_cards), strict=True):

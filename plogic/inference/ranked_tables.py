@@ -12,28 +12,22 @@ any size.
 * ``Joint``: the ranking of a small piece, by the cells of its table of all joint states, in order
 """
 
-from __future__ import annotations
-
 import functools
 import math
 import operator
+from collections.abc import Callable, Mapping, Sequence
 from itertools import accumulate, pairwise
 from operator import attrgetter
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
+from plogic.inference.graph import Part
 from plogic.inference.merge import Stream
 from plogic.inference.passes import FEW_COLUMNS, RUN_CELLS, runs
 
-if TYPE_CHECKING:
-    from collections.abc import Callable, Mapping, Sequence
-
-    from numpy.typing import NDArray
-
-    from plogic.inference.graph import Part
-
-    Table = NDArray[Any]  # int64, or Python's integers as objects
+Table = NDArray[Any]  # int64, or Python's integers as objects
 
 _CELLS = attrgetter("size")
 DIGITS = 42  # binary digits behind the point

@@ -1,15 +1,9 @@
 """What stands together in the image comes from the same print, and what stands along one line from the same edge: found or missed together."""
 
-from __future__ import annotations
-
-from typing import TYPE_CHECKING
-
 import numpy as np
+from numpy.typing import NDArray
 
-if TYPE_CHECKING:
-    from numpy.typing import NDArray
-
-    Floats = NDArray[np.float64]
+Floats = NDArray[np.float64]
 
 CROWDED = 3.0
 """Pixels (standard deviation) within which expected features of a learned type are found or missed together."""

@@ -12,8 +12,6 @@ Vocabulary:
 * ``Support``, the cells of each feature type, ``{"apex": Cells(1, 0, 0, 0), "corner": Cells(4, 2, 2, 0)}``.
 """
 
-from __future__ import annotations
-
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from math import exp, log

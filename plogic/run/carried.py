@@ -6,22 +6,18 @@ Types written by hand are carried whole. Of a learned type, which has thousands 
 of each direction of view in turn; how many were left out is said.
 """
 
-from __future__ import annotations
-
 import base64
-from typing import TYPE_CHECKING, Literal
+from collections.abc import Mapping
+from typing import Literal
 
 import cv2
 import numpy as np
+from numpy.typing import NDArray
 
-if TYPE_CHECKING:
-    from collections.abc import Mapping
+from kb.clouds.cloud import KnowledgeBase, ObjectType
+from plogic.facts.document import AssetsRow, MeshRow, SensingRow, TypeRow
 
-    from numpy.typing import NDArray
-
-    from kb.clouds.cloud import KnowledgeBase, ObjectType
-    from plogic.facts.document import AssetsRow, MeshRow, SensingRow, TypeRow
-
+Floats = NDArray[np.float64]
 
 MOST_LOBES = 1500
 """Of one type: some 60 bytes each."""
@@ -147,17 +143,32 @@ def _carried(
     return *fewer, float(np.sqrt(3.0) * np.ptp(vertices, axis=0).max() / cells)
 
 
-def _clustered(
-    vertices: NDArray[np.float64], triangles: NDArray[np.intp], cells: int
-) -> tuple[NDArray[np.float64], NDArray[np.intp]]:
+def _clustered(vertices: Floats, triangles: NDArray[np.intp], cells: int) -> tuple[Floats, NDArray[np.int64]]:
     """The mesh with the vertices of each cell of a grid, ``cells`` to its longest side, made one: their mean."""
+    cell = cells_of(vertices, cells)
+    faces = cell[triangles]
+    return means(vertices, cell), faces[whole(faces)]
+
+
+def cells_of(vertices: Floats, cells: int) -> NDArray[np.int64]:
+    """(V,) the number of the cell of a grid, ``cells`` to the longest side, that each of ``vertices`` (V, 3) is in."""
     low = vertices.min(axis=0)
     side = float((vertices.max(axis=0) - low).max()) / cells or 1.0
-    _, cell = np.unique(np.floor((vertices - low) / side).astype(np.int64), axis=0, return_inverse=True)
-    cell = cell.reshape(-1)
-    count = np.bincount(cell)
-    means = np.stack([np.bincount(cell, vertices[:, axis]) / count for axis in range(3)], axis=1)
-    faces = cell[triangles]
-    kept = (faces[:, 0] != faces[:, 1]) & (faces[:, 1] != faces[:, 2]) & (faces[:, 0] != faces[:, 2])
-    first = np.unique(np.sort(faces[kept], axis=1), axis=0, return_index=True)[1]
-    return means, faces[kept][np.sort(first)]
+    return alike(np.floor((vertices - low) / side))
+
+
+def alike(rows: Floats) -> NDArray[np.int64]:
+    """(N,) the number of each row among the different ones."""
+    return np.unique(rows.astype(np.int64), axis=0, return_inverse=True)[1].reshape(-1)
+
+
+def means(values: Floats, group: NDArray[np.int64]) -> Floats:
+    """(G, D) the mean of the ``values`` (N, D) of each ``group`` (N,)."""
+    count = np.bincount(group)
+    return np.stack([np.bincount(group, values[:, i]) / count for i in range(values.shape[1])], axis=1)
+
+
+def whole(faces: NDArray[np.int64]) -> NDArray[np.intp]:
+    """The indices, in order, of ``faces`` (T, 3) with three different corners, each set of corners once."""
+    kept = np.flatnonzero((faces[:, 0] != faces[:, 1]) & (faces[:, 1] != faces[:, 2]) & (faces[:, 0] != faces[:, 2]))
+    return kept[np.sort(np.unique(np.sort(faces[kept], axis=1), axis=0, return_index=True)[1])]

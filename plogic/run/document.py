@@ -6,17 +6,35 @@ in every world (``left_out`` per hypothesis, and one feature that stands for tho
 "noise").
 """
 
-from __future__ import annotations
-
-from typing import TYPE_CHECKING, cast
+from collections.abc import Mapping, Sequence
+from typing import cast
 
 import numpy as np
+from numpy.typing import NDArray
 
 from geometry.camera import camera_to_dict
+from kb.clouds.cloud import KnowledgeBase
+from plogic.cycle.delta import Delta
 from plogic.cycle.lumped import left_out, looked_at, support_document, told, told_as
 from plogic.facts.dependence import Scene
+from plogic.facts.document import (
+    ApartKey,
+    AppearanceRow,
+    CameraRow,
+    Case,
+    HypothesisRow,
+    Interpretation,
+    Listed,
+    RejectedRow,
+    RelationRow,
+    Status,
+    StepRow,
+    Verdict,
+    WorldRow,
+)
+from plogic.facts.hypothesis import Hypothesis
 from plogic.facts.interpretation import FORMAT, facts_of, hypothesis_document
-from plogic.facts.situation import OTHERS
+from plogic.facts.situation import OTHERS, PairFact, Situation
 from plogic.facts.spatial import apart_of, gravity_document, space_document
 from plogic.match.judged.evidence import outline_rings
 from plogic.measures.distinctiveness import distinctiveness, instance_counts, probability_of_distinctiveness
@@ -25,35 +43,10 @@ from plogic.run.carried import image_asset, mesh_assets, sensing_document, types
 from plogic.scene.factors.asked_formulas import together
 from plogic.scene.readings.world_weights import p_ev
 from plogic.scene.worlds.predictions import doubts
+from plogic.scene.worlds.ranked_worlds import Ranking
+from sensing.appearance import Gamma
 from sensing.files.gamma_files import appearance_to_dict
 from sensing.uncollected import uncollected
-
-if TYPE_CHECKING:
-    from collections.abc import Mapping, Sequence
-
-    from numpy.typing import NDArray
-
-    from kb.clouds.cloud import KnowledgeBase
-    from plogic.cycle.delta import Delta
-    from plogic.facts.document import (
-        ApartKey,
-        AppearanceRow,
-        CameraRow,
-        Case,
-        HypothesisRow,
-        Interpretation,
-        Listed,
-        RejectedRow,
-        RelationRow,
-        Status,
-        StepRow,
-        Verdict,
-        WorldRow,
-    )
-    from plogic.facts.hypothesis import Hypothesis
-    from plogic.facts.situation import PairFact, Situation
-    from plogic.scene.worlds.ranked_worlds import Ranking
-    from sensing.appearance import Gamma
 
 LISTED_REJECTED = 12
 """Rejected hypotheses that are written, the best first; the trace names them all."""

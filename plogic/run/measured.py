@@ -6,29 +6,22 @@ Vocabulary, each with an example value:
 * ``Distinctive``: one feature type, ``Distinctive("apex", over_types=0.99, over_instances=0.98)``
 """
 
-from __future__ import annotations
-
 from collections import Counter
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from math import expm1, isnan, pi
-from typing import TYPE_CHECKING
 
 import numpy as np
 
 from plogic.base.bounds import LEAST
 from plogic.facts.dependence import Scene
+from plogic.facts.document import Interpretation
+from plogic.facts.hypothesis import FeatureFact, Hypothesis
 from plogic.facts.interpretation import situation_of
-from plogic.facts.situation import OTHERS
+from plogic.facts.situation import OTHERS, Reconsider, Situation
 from plogic.measures.explanatory import Cells, case_of, explanatory_value, shanahan_values
 from plogic.scene.readings.world_weights import p_ev
 from plogic.scene.worlds.ranked_worlds import ranked_worlds
-
-if TYPE_CHECKING:
-    from collections.abc import Iterable, Mapping, Sequence
-
-    from plogic.facts.document import Interpretation
-    from plogic.facts.hypothesis import FeatureFact, Hypothesis
-    from plogic.facts.situation import Reconsider, Situation
 
 MODES: tuple[Reconsider, ...] = ("to_B", "drop", "reassign")
 

@@ -1,42 +1,32 @@
 """From Γ to an interpretation: the cycle, the situation, its worlds, and the document that holds them all."""
 
-from __future__ import annotations
-
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
+from pathlib import Path
 from time import monotonic
-from typing import TYPE_CHECKING
 
+import numpy as np
+from numpy.typing import NDArray
+
+from kb.clouds.cloud import KnowledgeBase
 from plogic.base.clock import Stopwatch
 from plogic.base.errors import InconsistentError, InputError
 from plogic.base.jobs import processors
 from plogic.base.remembered import cache_folder
 from plogic.cycle.delta import Delta, Options, delta_of
-from plogic.cycle.perception import attend, perceive
-from plogic.cycle.state import Task
-from plogic.facts.situation import SEARCH, WORLDS
-from plogic.match.gamma.data import data_of
+from plogic.cycle.perception import Seed, attend, perceive
+from plogic.cycle.state import Cycle, Task
+from plogic.facts.document import Interpretation, StepRow
+from plogic.facts.hypothesis import Hypothesis
+from plogic.facts.situation import SEARCH, WORLDS, Stopped
+from plogic.match.gamma.data import Data, data_of
 from plogic.match.kinds import FAST, GENERATORS, models_of
 from plogic.measures.distinctiveness import distinctiveness, instance_counts
 from plogic.run.document import document_of
 from plogic.scene.readings.unfinished import marked
 from plogic.scene.worlds.ranked_worlds import Ranking, ranked_worlds
+from sensing.appearance import Gamma
 from sensing.uncollected import uncollected
-
-if TYPE_CHECKING:
-    from collections.abc import Mapping, Sequence
-    from pathlib import Path
-
-    import numpy as np
-    from numpy.typing import NDArray
-
-    from kb.clouds.cloud import KnowledgeBase
-    from plogic.cycle.perception import Seed
-    from plogic.cycle.state import Cycle
-    from plogic.facts.document import Interpretation, StepRow
-    from plogic.facts.hypothesis import Hypothesis
-    from plogic.facts.situation import Stopped
-    from plogic.match.gamma.data import Data
-    from sensing.appearance import Gamma
 
 SMOOTHED = 0.001
 """ε that the score program falls back to where no world is left at 0."""

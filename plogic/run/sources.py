@@ -1,24 +1,19 @@
 """Where commands take their input from: knowledge bases, interpretations, programs, and Γ, its file or an image and its camera."""
 
-from __future__ import annotations
-
 import sys
-from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from numpy.typing import NDArray
+
 from geometry.files.plain_files import is_there
+from plogic.base.clock import Stopwatch
 from plogic.base.errors import InputError
 from plogic.logic.served.engine import Text
 
 if TYPE_CHECKING:
-    from numpy.typing import NDArray
-
     from geometry.camera import Camera
     from kb.clouds.cloud import KnowledgeBase
-    from plogic.base.clock import Stopwatch
-    from plogic.facts.situation import Reading, Situation
-    from plogic.scene.asking.query import Subject
     from sensing.appearance import Gamma
 
 
@@ -37,8 +32,8 @@ def image_of(source: str, camera: str | None) -> NDArray[Any]:
 
 
 def gamma_of(
-    source: str, picture: NDArray[Any] | None, camera_file: str | None, kb: KnowledgeBase, clock: Stopwatch
-) -> tuple[Gamma, NDArray[Any] | None]:
+    source: str, picture: NDArray[Any] | None, camera_file: str | None, kb: "KnowledgeBase", clock: Stopwatch
+) -> "tuple[Gamma, NDArray[Any] | None]":
     """Γ from its file, or detected in the picture; types that the KB does not know are mistakes of a file."""
     from sensing.files.gamma_files import read_gamma
 
@@ -50,7 +45,7 @@ def gamma_of(
     return detected(picture, camera, kb, clock), picture
 
 
-def sized(camera: Camera, picture: NDArray[Any], named: str, source: str) -> Camera:
+def sized(camera: "Camera", picture: NDArray[Any], named: str, source: str) -> "Camera":
     """The camera itself. Raises InputError where the picture (H, W, 3), from ``source``, is of another size."""
     height, width = picture.shape[:2]
     if (camera.width, camera.height) != (width, height):
@@ -58,7 +53,7 @@ def sized(camera: Camera, picture: NDArray[Any], named: str, source: str) -> Cam
     return camera
 
 
-def detected(picture: NDArray[Any], camera: Camera, kb: KnowledgeBase, clock: Stopwatch) -> Gamma:
+def detected(picture: NDArray[Any], camera: "Camera", kb: "KnowledgeBase", clock: Stopwatch) -> "Gamma":
     """Γ of a picture (H, W, 3), BGR, by all detectors that report a type of the KB.
 
     Raises InputError where none does.
@@ -73,7 +68,7 @@ def detected(picture: NDArray[Any], camera: Camera, kb: KnowledgeBase, clock: St
         return detect(picture, camera, kb.sought, kb.words)
 
 
-def detectable(kb: KnowledgeBase) -> bool:
+def detectable(kb: "KnowledgeBase") -> bool:
     """Whether some registered detector reports a type of the KB's vocabulary."""
     from sensing.detectors.detector import detectors
 
@@ -84,7 +79,7 @@ LARGEST_PROGRAM = 8 * 2**20
 """Bytes of a program or rules file that is read."""
 
 
-def kb_of(folder: str) -> KnowledgeBase:
+def kb_of(folder: str) -> "KnowledgeBase":
     """Read a knowledge base; the name of a shipped one (`towers`) stands for its folder where no such folder exists.
 
     Its rules are held to the allow-list here, before any work is done with it. Raises KBError, ProgramError.
@@ -117,19 +112,6 @@ def program_text_of(path: str) -> str:
         raise InputError(f"{path}: cannot be read: {error.strerror}") from None
     except UnicodeDecodeError as error:
         raise InputError(f"{path}: is not UTF-8 text (byte {error.start})") from None
-
-
-def situation_from(source: str, reading: Reading | None = None) -> Situation:
-    """The situation of an interpretation's file, in the other reading where one is named: Δh and its facts are the same."""
-    from plogic.facts.interpretation import read_interpretation, situation_of
-
-    situation = situation_of(read_interpretation(source))
-    return situation if reading is None else replace(situation, reading=reading)
-
-
-def subject_of(source: str, reading: Reading | None) -> Subject:
-    """A situation, or program text, as ``answers`` and ``explain`` take them."""
-    return Text(program_text_of(source), source) if is_program(source) else situation_from(source, reading)
 
 
 def rules_from(path: str | None) -> Text | None:

@@ -39,7 +39,10 @@ class SceneWorlds(Marks, LateKey):
 
 
 class ProgramWorldRow(TypedDict):
-    """One possible world of a program text: the goals that are ``true`` in it, of a scene who is ``present``, and its choices."""
+    """One possible world of a program text.
+
+    The goals that are ``true`` in it, of a scene who is ``present``, and its choices.
+    """
 
     probability: Slightly
     choices: list[str]

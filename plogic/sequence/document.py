@@ -1,4 +1,7 @@
-"""The shape of ``panorama/1``: a sequence of views, each with its interpretation, and what stands in the world after all of them."""
+"""The shape of ``panorama/1``.
+
+A sequence of views, each with its interpretation, and what stands in the world after all of them.
+"""
 
 from typing import Annotated, Literal, NotRequired, TypedDict
 

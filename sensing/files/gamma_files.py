@@ -143,7 +143,7 @@ def _line(loc: tuple[int | str, ...], message: str, value: object) -> str:
 
 
 def _content_mistakes(data: object, camera: Camera | None, vocabulary: Collection[str] | None) -> list[str]:
-    """Mistakes that the shape of the document cannot show: ids given twice, places outside the image, types the KB has not."""
+    """Mistakes beyond the document's shape: ids given twice, places outside the image, types the KB has not."""
     rows = data.get("appearances") if isinstance(data, dict) else None
     lines: list[str] = []
     first: dict[str, int] = {}

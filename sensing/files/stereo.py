@@ -1,4 +1,6 @@
-"""A calibrated stereo pair as one notional viewpoint (§3.3): the left camera's, whose appearances carry depth where the right one tells it.
+"""A calibrated stereo pair as one notional viewpoint (§3.3), the left camera's.
+
+Its appearances carry depth where the right camera tells it.
 
 An appearance of the left image is found again in the right one by its type, what the detector says of it, and the
 epipolar line. Where more than one fits, its depth is not told: a wrong depth is worse than none.
@@ -61,7 +63,9 @@ class Pair:
 
 
 def fused(left: Gamma, right: Gamma, pair: Pair, sigma: float = 1.0) -> Gamma:
-    """Γ of the pair: the left one's appearances, with ``depth`` and ``depth_sigma`` (m) where one of the right image is theirs, and no other.
+    """Γ of the pair: the left one's appearances, with ``depth`` and ``depth_sigma`` (m) where they are known.
+
+    A depth is known where one appearance of the right image is the same feature's, and no other.
 
     ``sigma``: noise of places, pixels, in both images. Raises CameraError where there are more than ``MOST`` to
     compare, one with another.

@@ -39,7 +39,7 @@ def write_files(files: Mapping[Path, bytes]) -> None:
 
 
 def check_places(places: Iterable[Path]) -> None:
-    """Raise SensingError for the first place where no file can be written, before the work that it should hold is done."""
+    """Raise SensingError for the first place where no file can be written: before the work is done."""
     for path in places:
         folder = path.parent
         here, above = fault_of(path), fault_of(folder)

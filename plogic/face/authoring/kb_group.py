@@ -1,14 +1,12 @@
 """The click group ``plogic kb``: one function a command, which parses, calls and prints."""
 
-from __future__ import annotations
-
-import sys
 from pathlib import Path
 from typing import Any
 
 import click
 
-from plogic.face.shown.options import AS_JSON, SEED
+from plogic.base.errors import InputError
+from plogic.face.shown.options import AS_JSON, SEED, Learning, Photo, emit, say
 
 UNITS = ["m", "dm", "cm", "mm", "um", "km", "in", "ft"]
 """``kb.files.values.LENGTHS``, said again so that ``--help`` imports nothing; a test holds the two together."""
@@ -29,7 +27,7 @@ def kb_new(folder: Path, name: str | None) -> None:
     """Make a new knowledge base: kb.yaml, its schemas for the editor, rules.pl and objects/."""
     from plogic.face.authoring.kb_types import new_command
 
-    _out(new_command(folder, name))
+    emit(new_command(folder, name))
 
 
 @kb.command("add")
@@ -49,7 +47,7 @@ def kb_add(name: str, mesh: Path, units: str | None, kb_folder: Path, as_json: b
     """Make the object type NAME from a mesh, repaired, its pieces as parts, with its texture kept for rendering."""
     from plogic.face.authoring.kb_types import add_command
 
-    _out(add_command(name, mesh, units, kb_folder, as_json=as_json))
+    emit(add_command(name, mesh, units, kb_folder, as_json=as_json))
 
 
 @kb.command("learn")
@@ -76,20 +74,38 @@ def kb_add(name: str, mesh: Path, units: str | None, kb_folder: Path, as_json: b
 )
 @click.option("--units", type=click.Choice(UNITS), help="Unit of that mesh.")
 @AS_JSON
-def kb_learn(names: tuple[str, ...], kb_folder: Path, **options: Any) -> None:  # noqa: ANN401 - click hands over options
+def kb_learn(
+    names: tuple[str, ...],
+    kb_folder: Path,
+    photo: Path | None,
+    points: Path | None,
+    camera: Path | None,
+    mesh: Path | None,
+    units: str | None,
+    **options: Any,  # noqa: ANN401
+) -> None:
     """Learn the features of types NAME from their textured meshes, all without features where none is named; or of one from a photo.
 
     The turns of a shape that its texture keeps are written into object.yaml as symmetries, unless some are stated
     there.
     """
-    from plogic.face.authoring.kb_learn import learn_command
-    from plogic.face.authoring.kb_learn_photo import learn_photo_command, sources_of
+    idle = {"--points": points, "--camera": camera, "--mesh": mesh, "--units": units}
+    named = [name for name, value in idle.items() if value is not None]
+    if photo is None and named:
+        raise InputError(f"{', '.join(named)}: only with --photo")
+    if photo is None:
+        from plogic.face.authoring.kb_learn import learn_command
 
-    sources = sources_of(options)
-    if sources is not None:
-        _out(learn_photo_command(str(kb_folder), names, sources, options, say=_say))
+        emit(learn_command(str(kb_folder), names, Learning(**options), say=say))
         return
-    _out(learn_command(str(kb_folder), names, options, say=_say))
+    if points is None:
+        raise InputError(
+            "--photo needs --points, a file of clicked correspondences: u, v in pixels, x, y, z of the object"
+        )
+    from plogic.face.authoring.kb_learn_photo import learn_photo_command
+
+    sources = Photo(photo, points, camera, mesh, units)
+    emit(learn_photo_command(str(kb_folder), names, sources, Learning(**options), say=say))
 
 
 @kb.command("import")
@@ -103,7 +119,7 @@ def kb_import(source: Path, kb_folder: Path, units: str | None, as_json: bool) -
     """Make object types from a URDF or SDF file, or from a BOP `models` folder with its symmetries."""
     from plogic.face.authoring.kb_types import import_command
 
-    _out(import_command(source, kb_folder, units, as_json=as_json))
+    emit(import_command(source, kb_folder, units, as_json=as_json))
 
 
 @kb.command("check")
@@ -113,7 +129,7 @@ def kb_check(folder: str, as_json: bool) -> None:  # noqa: FBT001 - click hands 
     """Report every mistake of a knowledge base at its file, line and column, and what in it may be meant otherwise."""
     from plogic.face.authoring.kb_show import check_command
 
-    _out(check_command(folder, as_json=as_json))
+    emit(check_command(folder, as_json=as_json))
 
 
 @kb.command("show")
@@ -128,11 +144,11 @@ def kb_show(folder: str, name: str | None, html: str | None, as_json: bool) -> N
             raise click.UsageError("--html and --json do not go together")
         from plogic.face.authoring.kb_show import page_command
 
-        page_command(folder, name, html, say=_say, write=_out)
+        page_command(folder, name, html, say=say, write=emit)
         return
     from plogic.face.authoring.kb_show import show_command
 
-    _out(show_command(folder, name, as_json=as_json))
+    emit(show_command(folder, name, as_json=as_json))
 
 
 @kb.command("measures")
@@ -143,7 +159,7 @@ def kb_measures(folder: str, gamma: str | None, as_json: bool) -> None:  # noqa:
     """Print |S(F)|, P(dv) and dv of every feature type; with a Γ, the rank of every object type."""
     from plogic.face.authoring.kb_show import measures_command
 
-    _out(measures_command(folder, gamma, as_json=as_json))
+    emit(measures_command(folder, gamma, as_json=as_json))
 
 
 @kb.command("schema")
@@ -152,7 +168,7 @@ def kb_schema(which: Any) -> None:  # noqa: ANN401 - click's choice
     """Print the JSON Schema of `kb.yaml` or `object.yaml`."""
     from plogic.face.authoring.kb_show import schema_command
 
-    _out(schema_command(which))
+    emit(schema_command(which))
 
 
 @kb.command("learn-rates")
@@ -161,7 +177,7 @@ def kb_schema(which: Any) -> None:  # noqa: ANN401 - click's choice
 @click.option("--add", is_flag=True, help="Add to the counts that the KB has, instead of starting anew.")
 @click.option("--dry-run", is_flag=True, help="Only print: write nothing.")
 @AS_JSON
-def kb_learn_rates(scenes: tuple[str, ...], kb_folder: str, as_json: bool, **options: Any) -> None:  # noqa: ANN401, FBT001 - click's
+def kb_learn_rates(scenes: tuple[str, ...], kb_folder: str, add: bool, dry_run: bool, as_json: bool) -> None:  # noqa: FBT001 - click hands over flags
     """Learn priors, hit rates and clutter from SCENES, folders with ground truth, into kb.yaml.
 
     A scene is what `plogic simulate` writes, or any folder with truth.json and an interpretation.json,
@@ -170,7 +186,7 @@ def kb_learn_rates(scenes: tuple[str, ...], kb_folder: str, as_json: bool, **opt
     """
     from plogic.face.authoring.kb_learn_rates import learn_rates_command
 
-    _out(learn_rates_command(scenes, kb_folder, options, say=_say, as_json=as_json))
+    emit(learn_rates_command(scenes, kb_folder, add=add, dry_run=dry_run, say=say, as_json=as_json))
 
 
 @kb.command("assimilate")
@@ -187,12 +203,4 @@ def kb_assimilate(panorama: str, unknown: str, kb_folder: str, name: str, as_jso
     """
     from plogic.face.authoring.kb_types import assimilate_command
 
-    _out(assimilate_command(panorama, unknown, kb_folder, name, as_json=as_json))
-
-
-def _out(text: str) -> None:
-    sys.stdout.write(text if text.endswith("\n") else text + "\n")
-
-
-def _say(text: str) -> None:
-    sys.stderr.write(text + "\n")
+    emit(assimilate_command(panorama, unknown, kb_folder, name, as_json=as_json))

@@ -1,13 +1,15 @@
 """``plogic kb learn``: features of types from their textured meshes, and the turns of a shape that its texture keeps."""
 
-from __future__ import annotations
-
 import json
-from typing import TYPE_CHECKING, Any
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from pathlib import Path
+from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from geometry.cones import even_directions
+from kb.clouds.cloud import KnowledgeBase, ObjectType
 from kb.clouds.learned import LearnedCloud, cloud_bytes
 from kb.clouds.words import Words, worded, words_bytes
 from kb.files.folder import load
@@ -15,38 +17,26 @@ from kb.learning.compounds import with_parts
 from kb.learning.observations import AWAY, MARGIN, PIXELS, Observations, joined, observed
 from kb.learning.symmetry_trials import DIRECTIONS, Trial, entries, judged, trials
 from plogic.base.errors import InputError
-from plogic.face.authoring.kb_learn_look import learned_of
+from plogic.face.authoring.kb_learn_look import detection_by, learned_of
 from plogic.face.authoring.kb_types import check_own, type_folders, with_entry
+from plogic.face.shown.options import Learning
 from plogic.face.shown.tables import plain_table
 from plogic.run.sources import kb_of
-from sensing.detectors.keypoint_detector import described
 from sensing.errors import SensingError
 from sensing.files.whole_files import write_files
 from sensing.simulated.body import read_mesh
 from sensing.simulated.camera import turned
 from sensing.simulated.stage import MAX_TRIANGLES
 
-if TYPE_CHECKING:
-    from collections.abc import Callable, Iterable, Mapping, Sequence
-    from pathlib import Path
-
-    from numpy.typing import NDArray
-
-    from kb.clouds.cloud import KnowledgeBase, ObjectType
-    from sensing.detectors.keypoints import Keypoints
-
-
 BY_HAND = "its features were written by hand; learning would replace them: take them out of object.yaml first"
 
 
-def learn_command(
-    kb_folder: str, names: Sequence[str], options: Mapping[str, Any], *, say: Callable[[str], None]
-) -> str:
-    """Learn the types that are named, or all that have a texture and no features; ``options``: detector, jobs, seed, as_json."""
+def learn_command(kb_folder: str, names: Sequence[str], options: Learning, *, say: Callable[[str], None]) -> str:
+    """Learn the types that are named, or all that have a texture and no features."""
     kb = kb_of(kb_folder)
     folder = check_own(kb_folder)
     chosen = _chosen(kb, names)
-    check_detector(kb_folder, kb, options["detector"], [kind.name for kind in chosen])
+    check_detector(kb_folder, kb, options.detector, [kind.name for kind in chosen])
     rows, clouds = [], {kind.name: kind.learned for kind in kb.types if kind.learned is not None}
     places, found = type_folders(folder), {}
     for kind in chosen:
@@ -56,9 +46,9 @@ def learn_command(
         if not stated(file):
             found[file] = symmetries_of(kind, clouds[kind.name], options, say)
         rows[-1]["symmetries"] = symmetry_rows(found[file]) if file in found else None
-    words, clouds = worded(clouds, options["seed"])
+    words, clouds = worded(clouds, options.seed)
     write_files(written(files_of(folder, words, clouds), found))
-    if options["as_json"]:
+    if options.as_json:
         return json.dumps({"format": "kb_learn/1", "kb": kb.name, "words": len(words.centroids), "types": rows})
     return _text(f"learned into {kb_folder}: {len(words.centroids)} words in all", rows)
 
@@ -163,9 +153,7 @@ def _named(file: Path, key: str, data: bytes) -> dict[Path, bytes]:
 KEPT = "symmetries: as object.yaml states them"
 
 
-def symmetries_of(
-    kind: ObjectType, cloud: LearnedCloud, options: Mapping[str, Any], say: Callable[[str], None]
-) -> list[Trial]:
+def symmetries_of(kind: ObjectType, cloud: LearnedCloud, options: Learning, say: Callable[[str], None]) -> list[Trial]:
     """A trial for each turn of the type's shape; new pictures of it are taken where the cloud alone does not rule all of them out."""
     if kind.surface is None:
         return []
@@ -177,20 +165,16 @@ def symmetries_of(
     return judged(groups, cloud, _new_pictures(kind, options, directions), directions)
 
 
-def _new_pictures(kind: ObjectType, options: Mapping[str, Any], directions: NDArray[np.float64]) -> Observations:
+def _new_pictures(kind: ObjectType, options: Learning, directions: NDArray[np.float64]) -> Observations:
     """What the detector sees from directions that the cloud was not learned from, with other noise."""
     import cv2
 
     assert kind.mesh_file is not None  # noqa: S101 - it was learned from it
-    threads = cv2.getNumThreads()
+    look, threads = detection_by(options.detector), cv2.getNumThreads()
     cv2.setNumThreads(1)
-
-    def detect(image: NDArray[np.uint8], calm: NDArray[np.uint8], cell: int) -> Keypoints:
-        return described(image, options["detector"], cell=cell, calm=calm)
-
     views = turned(read_mesh(kind.mesh_file, kind.mesh_scale), list(directions), PIXELS[0], MARGIN, AWAY)
     try:
-        return joined([observed(view, number, detect, options["seed"] + 1) for number, view in enumerate(views)])
+        return joined([observed(view, number, look, options.seed + 1) for number, view in enumerate(views)])
     finally:
         cv2.setNumThreads(threads)
 
@@ -235,12 +219,9 @@ def symmetry_lines(name: str, rows: Sequence[Mapping[str, Any]] | None) -> list[
     if rows is None:
         return [f"{name}: {KEPT}"]
     if all(row["verdict"] == "broken" for row in rows):
-        return [f"{name}: symmetries: none; its texture breaks {_turns(len(rows))} of its shape"] if rows else []
+        turns = "the one turn" if len(rows) == 1 else f"all {len(rows)} turns"
+        return [f"{name}: symmetries: none; its texture breaks {turns} of its shape"] if rows else []
     return [f"{name}: {_line(row)}" for row in rows if row["verdict"] != "broken"]
-
-
-def _turns(number: int) -> str:
-    return "the one turn" if number == 1 else f"all {number} turns"
 
 
 def _line(row: Mapping[str, Any]) -> str:

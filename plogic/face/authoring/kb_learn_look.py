@@ -1,19 +1,22 @@
 """What ``plogic kb learn`` does for one type: render it from all around, look with the detector of run time, and make a cloud of what was seen.
 
-All that decides a cloud is here or imported from here (``kb_learn_cache``).
+All that decides a cloud is here or imported from here.
 """
-
-from __future__ import annotations
 
 import hashlib
 import os
 import sys
+from collections.abc import Callable
 from contextlib import closing, suppress
 from functools import cache, partial
 from importlib.metadata import version
-from typing import TYPE_CHECKING, Any
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
 
 from geometry.cones import even_directions
+from kb.clouds.cloud import KnowledgeBase, ObjectType
 from kb.clouds.learned import LearnedCloud, cloud_bytes, read_cloud
 from kb.errors import CloudError
 from kb.learning.features import cloud_of
@@ -23,23 +26,14 @@ from kb.shown.cautions import compound_sizes, compounds_text
 from plogic.base.errors import InputError
 from plogic.base.jobs import ChildDiedError, afresh
 from plogic.base.remembered import ROOT, cache_folder, forget_files_beside, source_digest, sources
+from plogic.face.shown.options import Learning
 from sensing.detectors.keypoint_detector import described, edge_sides
+from sensing.detectors.keypoints import Keypoints
 from sensing.errors import SensingError
 from sensing.files.whole_files import write_whole
-from sensing.simulated.body import read_mesh
+from sensing.simulated.body import TexturedMesh, read_mesh
 from sensing.simulated.camera import extent, turned
 from sensing.simulated.physics import physics_version
-
-if TYPE_CHECKING:
-    from collections.abc import Callable, Mapping
-
-    import numpy as np
-    from numpy.typing import NDArray
-
-    from kb.clouds.cloud import KnowledgeBase, ObjectType
-    from sensing.detectors.keypoints import Keypoints
-    from sensing.simulated.body import TexturedMesh
-
 
 CHUNK = 20
 """Directions that a process renders at a time."""
@@ -48,7 +42,7 @@ CHUNK = 20
 def looked(
     kind: ObjectType,
     kb: KnowledgeBase,
-    options: Mapping[str, Any],
+    options: Learning,
     say: Callable[[str], None],
     painted: PaintedMesh | None = None,
 ) -> LearnedCloud:
@@ -59,13 +53,13 @@ def looked(
         drawn.
     """
     assert kind.mesh_file is not None  # noqa: S101 - the caller looked
-    task = (str(kind.mesh_file), kind.mesh_scale, options["detector"], options["seed"])
-    whole = joined(_seen(kind.name, task, DIRECTIONS, options["jobs"]))
+    task = (str(kind.mesh_file), kind.mesh_scale, options.detector, options.seed)
+    whole = joined(_seen(kind.name, task, DIRECTIONS, options.jobs))
     diameter = extent(read_mesh(kind.mesh_file, kind.mesh_scale).vertices)[1]
     cloud = cloud_of(whole if painted is None else on_shown(painted, whole), diameter, kb.f_ref, DIRECTIONS)
     if not len(cloud.at):
         raise InputError(
-            f"{kind.name}: no keypoint of it comes again from view to view: its texture is too plain for {options['detector']}"
+            f"{kind.name}: no keypoint of it comes again from view to view: its texture is too plain for {options.detector}"
         )
     compounds, together, largest = compound_sizes(cloud)
     groups = f", {together} of them in {compounds_text(compounds, largest)}" if compounds else ""
@@ -98,13 +92,20 @@ def _look(task: tuple[str, float, str, int], part: range) -> list[Observations]:
 
     cv2.setNumThreads(1)
     file, scale, detector, seed = task
+    views = turned(read_mesh(file, scale), [even_directions(DIRECTIONS)[i] for i in part], PIXELS[0], MARGIN, AWAY)
+    look = edge_sides if detector == "sift" else None
+    return [
+        observed(view, number, detection_by(detector), seed, look) for number, view in zip(part, views, strict=True)
+    ]
+
+
+def detection_by(detector: str) -> Callable[[NDArray[np.uint8], NDArray[np.uint8], int], Keypoints]:
+    """Return ``described`` with a detector, and its arguments as ``observed`` hands them over."""
 
     def detect(image: NDArray[np.uint8], calm: NDArray[np.uint8], cell: int) -> Keypoints:
         return described(image, detector, cell=cell, calm=calm)
 
-    views = turned(read_mesh(file, scale), [even_directions(DIRECTIONS)[i] for i in part], PIXELS[0], MARGIN, AWAY)
-    look = edge_sides if detector == "sift" else None
-    return [observed(view, number, detect, seed, look) for number, view in zip(part, views, strict=True)]
+    return detect
 
 
 def _progress(text: str) -> None:
@@ -123,7 +124,7 @@ LIBRARIES = ("numpy", "scipy", "embreex", "trimesh")
 def learned_of(
     kind: ObjectType,
     kb: KnowledgeBase,
-    options: Mapping[str, Any],
+    options: Learning,
     say: Callable[[str], None],
     painted: PaintedMesh | None = None,
 ) -> LearnedCloud:
@@ -135,7 +136,7 @@ def learned_of(
             f"{kind.name}: is not remembered for the next time: there is no home folder; XDG_CACHE_HOME may name another"
         )
         return read_cloud(cloud_bytes(looked(kind, kb, options, say, painted)))
-    how = (kb.f_ref, options["detector"], options["seed"], painted is not None)
+    how = (kb.f_ref, options.detector, options.seed, painted is not None)
     place = folder / f"{key_of(read_mesh(kind.mesh_file, kind.mesh_scale), how)}.npz"
     try:
         remembered = _kept(place.read_bytes())

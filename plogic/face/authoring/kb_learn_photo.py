@@ -1,17 +1,18 @@
 """``plogic kb learn NAME --photo FILE --points FILE``: an object type from one photo, laid onto its mesh by a few clicked points."""
 
-from __future__ import annotations
-
 import json
 import tempfile
-from dataclasses import dataclass, replace
+from collections.abc import Callable, Sequence
+from dataclasses import replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from geometry.camera import camera_to_dict
 from geometry.files.camera_files import read_camera
+from geometry.poses.register import Registration
+from kb.clouds.cloud import KnowledgeBase, ObjectType
+from kb.clouds.learned import LearnedCloud
 from kb.clouds.words import worded
 from kb.files.folder import load
 from kb.intake.new_type import NewType, check_name, new_type
@@ -22,6 +23,7 @@ from plogic.base.errors import InputError
 from plogic.face.authoring.kb_learn import BY_HAND, check_detector, files_of, row_of
 from plogic.face.authoring.kb_learn_look import learned_of
 from plogic.face.authoring.kb_types import check_own, check_places, new_command, type_folders, with_entry, write_types
+from plogic.face.shown.options import Learning, Photo
 from plogic.face.shown.tables import plain_table
 from plogic.run.sources import kb_of
 from sensing.files.images import read_image
@@ -29,53 +31,19 @@ from sensing.files.whole_files import write_files
 from sensing.simulated.body import read_mesh
 from sensing.simulated.stage import MAX_TRIANGLES
 
-if TYPE_CHECKING:
-    from collections.abc import Callable, Sequence
-
-    from geometry.poses.register import Registration
-    from kb.clouds.cloud import KnowledgeBase, ObjectType
-    from kb.clouds.learned import LearnedCloud
-
 BY_PHOTO = "# painted with a photo by plogic kb learn --photo\n"
 """The first line of a material that may be replaced by a better photo's."""
 PAINT = ("textured.obj", "textured.mtl", "texture.png")
 
 
-@dataclass(frozen=True)
-class Sources:
-    """``photo`` and ``points`` files; ``camera`` file, where its intrinsics are known; ``mesh`` file and ``units``, where the type is new."""
-
-    photo: Path
-    points: Path
-    camera: Path | None = None
-    mesh: Path | None = None
-    units: str | None = None
-
-
-def sources_of(options: dict[str, Any]) -> Sources | None:
-    """Take the options of a photo out of a command's; None without a photo. Raises InputError where some are given without the others."""
-    names = ("photo", "points", "camera", "mesh", "units")
-    given = {name: options.pop(name, None) for name in names}
-    if given["photo"] is None:
-        idle = [f"--{name}" for name in names if given[name] is not None]
-        if idle:
-            raise InputError(f"{', '.join(idle)}: only with --photo")
-        return None
-    if given["points"] is None:
-        raise InputError(
-            "--photo needs --points, a file of clicked correspondences: u, v in pixels, x, y, z of the object"
-        )
-    return Sources(**given)
-
-
 def learn_photo_command(
-    kb_folder: str, names: Sequence[str], sources: Sources, options: dict[str, Any], *, say: Callable[[str], None]
+    kb_folder: str, names: Sequence[str], sources: Photo, options: Learning, *, say: Callable[[str], None]
 ) -> str:
     """Register, paint, learn, and only then write: the type (where it is new), its texture, its cloud and the words.
 
     Raises InputError, KBError, GeometryError, SensingError: nothing is written then.
     """
-    kb, new, kind = _the_type(kb_folder, names, sources, options["detector"], say)
+    kb, new, kind = _the_type(kb_folder, names, sources, options.detector, say)
     found, mesh = _registered(kind, sources)
     say(_told(kind, found, mesh))
     with tempfile.TemporaryDirectory(prefix="plogic-photo-") as folder:
@@ -83,12 +51,12 @@ def learn_photo_command(
         for name, data in files.items():
             (Path(folder) / name).write_bytes(data)
         cloud = with_parts(kind, learned_of(replace(kind, mesh_file=Path(folder) / PAINT[0]), kb, options, say, mesh))
-    count = _write(Path(kb_folder), new, kind.name, files, cloud, options["seed"])
-    return _answer(kb_folder, kind, found, mesh, cloud, count, as_json=options["as_json"])
+    count = _write(Path(kb_folder), new, kind.name, files, cloud, options.seed)
+    return _answer(kb_folder, kind, found, mesh, cloud, count, as_json=options.as_json)
 
 
 def _the_type(
-    kb_folder: str, names: Sequence[str], sources: Sources, detector: str, say: Callable[[str], None]
+    kb_folder: str, names: Sequence[str], sources: Photo, detector: str, say: Callable[[str], None]
 ) -> tuple[KnowledgeBase, NewType | None, ObjectType]:
     """The KB, the new type's files where it is new, and the type with its surface."""
     if len(names) != 1:
@@ -121,7 +89,7 @@ def _fault(kind: ObjectType, folder: Path) -> str | None:
     return None
 
 
-def _new(kb_folder: Path, name: str, sources: Sources) -> tuple[NewType, ObjectType]:
+def _new(kb_folder: Path, name: str, sources: Photo) -> tuple[NewType, ObjectType]:
 
     if sources.mesh is None:
         raise InputError(f"{name}: no such object type; add it with plogic kb add, or give --mesh and --units")
@@ -142,7 +110,7 @@ def _new(kb_folder: Path, name: str, sources: Sources) -> tuple[NewType, ObjectT
         return new, kb_of(str(draft)).type(name)
 
 
-def _registered(kind: ObjectType, sources: Sources) -> tuple[Registration, PaintedMesh]:
+def _registered(kind: ObjectType, sources: Photo) -> tuple[Registration, PaintedMesh]:
 
     assert kind.surface is not None  # noqa: S101 - _fault looked
     points = read_points(sources.points)

@@ -1,9 +1,9 @@
 """``plogic kb learn-rates``: priors, hit rates and clutter from scenes with ground truth, back into ``kb.yaml``."""
 
-from __future__ import annotations
-
 import json
-from typing import TYPE_CHECKING, Any
+from collections.abc import Callable, Sequence
+from pathlib import Path
+from typing import Any
 
 from geometry.errors import PlogicError
 from kb.clouds.cloud import Counts, KnowledgeBase, Rates
@@ -17,24 +17,19 @@ from plogic.run.perceive import perceiver_of
 from plogic.run.sources import kb_of
 from sensing.files.whole_files import write_whole
 
-if TYPE_CHECKING:
-    from collections.abc import Callable, Sequence
-    from pathlib import Path
-
-
 KINDS = ("hit", "clutter", "prior")
 """Rates that are learned: the fields that ``Rates`` and ``Counts`` have in common."""
 
 
 def learn_rates_command(
-    scenes: Sequence[str], kb_folder: str, options: dict[str, Any], *, say: Callable[[str], None], as_json: bool
+    scenes: Sequence[str], kb_folder: str, *, add: bool, dry_run: bool, say: Callable[[str], None], as_json: bool
 ) -> str:
-    """Learn, and write unless ``dry_run``. ``options``: dry_run, add (to the counts that the KB has)."""
+    """Learn, and write unless ``dry_run``; ``add``: to the counts that the KB has."""
     kb = kb_of(kb_folder)
-    file = None if options["dry_run"] else check_own(kb_folder) / "kb.yaml"
+    file = None if dry_run else check_own(kb_folder) / "kb.yaml"
     records = _records(scene_folders(scenes), kb, say)
     words = frozenset(kb.words.names if kb.words is not None else ())
-    observed = without(added(kb.rates.counts if options["add"] else Counts(), counted(records)), words)
+    observed = without(added(kb.rates.counts if add else Counts(), counted(records)), words)
     unknown = open_slots(records)
     counts = without(expected_counts(unknown, observed, learned(observed, kb.rates)), words)
     rates = learned(counts, kb.rates)

@@ -1,22 +1,19 @@
 """``plogic kb check``, ``show`` and ``measures``: what a knowledge base holds, as text, as JSON and as a page."""
 
-from __future__ import annotations
-
 import json
+from collections.abc import Callable
 from dataclasses import replace
-from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal
 
 from kb.files.schema import json_schema
 from kb.shown.show import check_report, tree_document, tree_text
 from plogic.base.errors import InputError
+from plogic.face.shown.options import written
 from plogic.face.shown.tables import plain_table
 from plogic.measures.distinctiveness import distinctiveness, instance_counts, probability_of_distinctiveness
 from plogic.run.sources import kb_of
 
 if TYPE_CHECKING:
-    from collections.abc import Callable
-
     from kb.clouds.cloud import KnowledgeBase, ObjectType
 
 
@@ -58,7 +55,7 @@ def measures_command(folder: str, gamma: str | None, *, as_json: bool) -> str:
     return "\n".join(texts)
 
 
-def _words_in_one_row(rows: list[dict[str, Any]], kb: KnowledgeBase) -> list[dict[str, Any]]:
+def _words_in_one_row(rows: list[dict[str, Any]], kb: "KnowledgeBase") -> list[dict[str, Any]]:
     """The rows for people: those of visual words, hundreds of them, summed up with the range of their dv."""
     names = set(kb.words.names) if kb.words is not None else set()
     words, others = [row for row in rows if row["type"] in names], [row for row in rows if row["type"] not in names]
@@ -72,7 +69,7 @@ def _words_in_one_row(rows: list[dict[str, Any]], kb: KnowledgeBase) -> list[dic
     ]
 
 
-def _ranks(kb: KnowledgeBase, gamma: str, dv: dict[str, float]) -> list[dict[str, Any]]:
+def _ranks(kb: "KnowledgeBase", gamma: str, dv: dict[str, float]) -> list[dict[str, Any]]:
     from plogic.cycle.perception import attend
     from plogic.match.kinds import models_of
     from sensing.files.gamma_files import read_gamma
@@ -92,18 +89,12 @@ def page_command(
 ) -> None:
     """Write the page of a type, the KB's only one where none is named; `-` is stdout. Raises InputError."""
     from plogic.face.pages.type_content import type_page
-    from sensing.files.whole_files import write_whole
 
     kb = kb_of(folder)
-    text = type_page(kb, type_of(kb, name))
-    if out == "-":
-        write(text)
-        return
-    write_whole(Path(out), text.encode())
-    say(f"wrote {out}")
+    written(type_page(kb, type_of(kb, name)), out, say=say, write=write)
 
 
-def type_of(kb: KnowledgeBase, name: str | None) -> ObjectType:
+def type_of(kb: "KnowledgeBase", name: str | None) -> "ObjectType":
     """The type of that name. Raises InputError, naming those that there are."""
     known = {kind.name: kind for kind in kb.types}
     there = f"there are: {', '.join(known) or 'none (plogic kb add)'}"

@@ -1,18 +1,17 @@
 """``plogic kb new``, ``add`` and ``import``: new knowledge bases, and new types in their folders, each whole or not at all."""
 
-from __future__ import annotations
-
 import json
 import os.path
 import re
 from collections.abc import Mapping, Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 from ruamel.yaml.nodes import MappingNode, Node, SequenceNode
 
 from geometry.files.plain_files import IS_FOLDER, IS_MISSING, fault_of, is_there
+from kb.clouds.cloud import KnowledgeBase, ObjectType
 from kb.files.folder import MAX_BYTES, load
 from kb.files.write import obj_text, object_text
 from kb.intake.bop_models import bop_models, bop_symmetries
@@ -23,26 +22,15 @@ from kb.shown.cautions import FIXING_A_POSE
 from plogic.base.errors import InputError
 from plogic.run.sources import kb_of
 from plogic.sequence.constancy.panorama_reading import unknown_of
-from plogic.sequence.constancy.result import draft_type
+from plogic.sequence.constancy.result import SeenFeature, draft_type
 from sensing.files.whole_files import write_folder, write_whole
-
-if TYPE_CHECKING:
-    from kb.clouds.cloud import KnowledgeBase, ObjectType
-    from plogic.sequence.constancy.result import SeenFeature
-
-
-def check_kb(folder: Path) -> None:
-    """Raise InputError where there is no knowledge base to add to."""
-    if fault_of(folder / "kb.yaml") is not None:
-        raise InputError(f"{folder}: holds no kb.yaml; make a knowledge base with: plogic kb new {folder}")
 
 
 def is_new(folder: Path) -> bool:
     """Whether there is nothing yet, so that a knowledge base is to be made first; raises InputError where what is there is none."""
-    if is_there(folder):
-        check_kb(folder)
-        return False
-    return True
+    if is_there(folder) and fault_of(folder / "kb.yaml") is not None:
+        raise InputError(f"{folder}: holds no kb.yaml; make a knowledge base with: plogic kb new {folder}")
+    return not is_there(folder)
 
 
 def check_own(kb_folder: str) -> Path:

@@ -3,35 +3,28 @@
 The verbs are those of Python (``plogic.face.python``); here their results become text and JSON.
 """
 
-from __future__ import annotations
-
 import json
 import sys
+from collections.abc import Callable, Sequence
 from dataclasses import asdict
-from typing import TYPE_CHECKING
 
 from plogic.base.errors import InputError, LimitError
 from plogic.face.python.asking import EXPLANATIONS
 from plogic.face.python.interpretation import Interpretation, opened
 from plogic.face.session.minds import ranked
+from plogic.face.session.results import Answers, World, Worlds
 from plogic.face.shown.figures import chance, interval
+from plogic.face.shown.options import Asking
+from plogic.facts.document import WorldRow
+from plogic.facts.situation import Reading
 from plogic.facts.spatial import exclusion_lines, exclusions
 from plogic.logic.safety.atoms import quoted
-from plogic.logic.served.engine import TOO_DEEP
+from plogic.logic.served.engine import TOO_DEEP, ProgramRanking
 from plogic.run.sources import is_program
+from plogic.scene import document as rows
 from plogic.scene.readings.unfinished import flagged, marks, with_notice
 from plogic.scene.worlds.predictions import doubts, said
 from plogic.scene.worlds.ranked_worlds import Ranking
-
-if TYPE_CHECKING:
-    from collections.abc import Callable, Sequence
-
-    from plogic.face.session.results import Answers, World, Worlds
-    from plogic.face.shown.options import Asking
-    from plogic.facts.document import WorldRow
-    from plogic.facts.situation import Reading
-    from plogic.logic.served.engine import ProgramRanking
-    from plogic.scene import document as rows
 
 LATE = 3
 """Exit status where a deadline was reached."""
@@ -212,6 +205,6 @@ def shell_command(source: str, options: Asking, *, write: Callable[[str], None],
             from plogic.face.session.prompt import run_prompt
 
             return run_prompt(session, write_now, say)
-        from plogic.face.session.lines import run_lines
+        from plogic.face.session.verbs import run_lines
 
         return run_lines(session, sys.stdin.buffer, write_now, say)

@@ -1,19 +1,22 @@
 """``plogic bop``: a BOP dataset to the challenge's results file, with its scores where the truth is known."""
 
-from __future__ import annotations
-
 import json
+from collections.abc import Callable
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
-if TYPE_CHECKING:
-    from collections.abc import Callable
-
-    from kb.clouds.cloud import KnowledgeBase
-    from plogic.face.shown.options import Scoring
-    from plogic.run.bop.dataset import Dataset
-    from plogic.run.bop.recalls import Recalls, Scores
-    from plogic.run.bop.results_file import Look, Run
+from kb.clouds.cloud import KnowledgeBase
+from plogic.base.errors import InputError
+from plogic.face.shown.options import Scoring, written
+from plogic.face.shown.tables import plain_table
+from plogic.run.bop.dataset import Dataset, open_dataset
+from plogic.run.bop.models import ids_of, model_ids, read_ids, read_models, unknown
+from plogic.run.bop.recalls import Recalls, Scores, score, targets_of, views_of
+from plogic.run.bop.results_file import Look, Run, results_text, run
+from plogic.run.perceive import perceiver_of
+from plogic.run.sources import detectable, kb_of
+from sensing.detectors.detector import detect
+from sensing.files.whole_files import check_places
 
 NOTE = "AR_VSD is not computed: the mean of the two is not the challenge's AR, and is not to be compared with one"
 
@@ -33,13 +36,6 @@ def bop_command(
     Raises:
         PlogicError: What is wrong with the dataset, the KB or the places, before any work; nothing is written then.
     """
-    from plogic.base.errors import InputError
-    from plogic.face.shown.options import written
-    from plogic.run.bop.dataset import open_dataset
-    from plogic.run.bop.results_file import results_text, run
-    from plogic.run.sources import kb_of
-    from sensing.files.whole_files import check_places
-
     if out == "-" and options.as_json:
         raise InputError("-o -: the results and --json cannot both be on stdout")
     if out != "-":
@@ -60,11 +56,6 @@ def bop_command(
 
 def look_of(kb: KnowledgeBase) -> Look:
     """The KB's own perceiver: what it accepts, scored by its probability. Raises InputError where no detector reports a type of the KB."""
-    from plogic.base.errors import InputError
-    from plogic.run.perceive import perceiver_of
-    from plogic.run.sources import detectable
-    from sensing.detectors.detector import detect
-
     if not detectable(kb):
         raise InputError(
             f"{kb.name}: no detector reports any of its appearance types ({', '.join(kb.appearance_types[:8])})"
@@ -80,9 +71,6 @@ def look_of(kb: KnowledgeBase) -> Look:
 
 def _ids(kb: KnowledgeBase, path: str | None, dataset: Dataset, say: Callable[[str], None]) -> dict[str, int]:
     """BOP's numbers of the KB's types; what leads nowhere is said, and that nothing leads anywhere is an error."""
-    from plogic.base.errors import InputError
-    from plogic.run.bop.models import ids_of, model_ids, read_ids, unknown
-
     names, stated = [kind.name for kind in kb.types], read_ids(path)
     ids = ids_of(names, stated)
     lines = unknown(names, ids, stated, None if dataset.models is None else model_ids(dataset.models))
@@ -95,11 +83,6 @@ def _ids(kb: KnowledgeBase, path: str | None, dataset: Dataset, say: Callable[[s
 
 def _scored(dataset: Dataset, done: Run, say: Callable[[str], None]) -> tuple[Scores | None, str]:
     """The scores, or None and why there are none."""
-    from plogic.base.errors import InputError
-    from plogic.run.bop.models import read_models
-    from plogic.run.bop.recalls import score, targets_of
-    from plogic.run.bop.results_file import views_of
-
     views, wrong = views_of(dataset, done)
     for line in wrong:
         say(line)
@@ -130,7 +113,6 @@ def _rows(scores: Scores) -> list[dict[str, Any]]:
 
 
 def _text(scores: Scores | None, why: str) -> str:
-    from plogic.face.shown.tables import plain_table
 
     if scores is None:
         return why

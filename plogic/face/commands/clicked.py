@@ -1,7 +1,5 @@
 """The commands ``batch``, ``bop``, ``measures`` and ``next-view`` as click has them: one function each, which parses, calls and prints."""
 
-from __future__ import annotations
-
 import math
 import sys
 from pathlib import Path

@@ -1,31 +1,32 @@
 """``plogic next-view``: the camera moves that would tell most, as a document ``next-view/1`` and as a table."""
 
-from __future__ import annotations
-
 import json
+from collections.abc import Sequence
 from dataclasses import replace
-from typing import TYPE_CHECKING, Literal, NotRequired, TypedDict, cast
+from typing import Literal, NotRequired, TypedDict, cast
 
-from plogic.facts.document import Marks
+import numpy as np
+from numpy.typing import NDArray
 
-if TYPE_CHECKING:
-    from collections.abc import Sequence
+from geometry.camera import Camera, camera_from_dict
+from geometry.files.pose_files import read_moves
+from plogic.base.errors import InterpretationError
+from plogic.face.shown.options import Moves
+from plogic.face.shown.tables import text_of_table
+from plogic.facts.document import Interpretation, Marks
+from plogic.facts.fact_rows import Interval, Pose
+from plogic.facts.interpretation import situation_of
+from plogic.facts.situation import Reading, Situation, stopped_in
+from plogic.scene.readings.unfinished import marks, notice
+from plogic.scene.worlds.ranked_worlds import ranked_worlds
+from plogic.sequence.next_view.expected import Prospect
+from plogic.sequence.next_view.look import Outlook, answers_in, entropy, looked_ahead
+from plogic.sequence.next_view.moves import Candidate, MovesRow, checked, ring, standing, within
+from plogic.sequence.next_view.reading import LastView, prospect_of, read_looked
 
-    import numpy as np
-    from numpy.typing import NDArray
+Worlds = list[tuple[float, Sequence[str]]]
+Looked = Interpretation | LastView
 
-    from geometry.camera import Camera
-    from plogic.face.shown.options import Moves
-    from plogic.facts.document import Interpretation
-    from plogic.facts.fact_rows import Interval, Pose
-    from plogic.facts.situation import Reading, Situation
-    from plogic.sequence.next_view.expected import Prospect
-    from plogic.sequence.next_view.look import Outlook
-    from plogic.sequence.next_view.moves import Candidate, MovesRow
-    from plogic.sequence.next_view.reading import LastView
-
-    Worlds = list[tuple[float, Sequence[str]]]
-    Looked = Interpretation | LastView
 
 LISTED_WORLDS = 100
 """Worlds that are taken in the other reading: as many as an interpretation lists."""
@@ -33,9 +34,6 @@ LISTED_WORLDS = 100
 
 def next_view_command(source: str, number: int, seed: int, options: Moves, *, as_json: bool) -> str:
     """The table, or the document ``next-view/1``."""
-    from plogic.base.errors import InterpretationError
-    from plogic.sequence.next_view.reading import read_looked
-
     document = read_looked(source)
     try:
         answer = looked(document, number, seed, options)
@@ -44,15 +42,8 @@ def next_view_command(source: str, number: int, seed: int, options: Moves, *, as
     return json.dumps(answer) if as_json else table_of(answer)
 
 
-def looked(document: Looked, number: int, seed: int, options: Moves) -> NextView:
+def looked(document: Looked, number: int, seed: int, options: Moves) -> "NextView":
     """The document of an interpretation's next views, or of those of what stands for one (``plogic.sequence.next_view.reading``)."""
-    from geometry.camera import camera_from_dict
-    from plogic.facts.interpretation import situation_of
-    from plogic.facts.situation import stopped_in
-    from plogic.scene.readings.unfinished import marks
-    from plogic.sequence.next_view.look import answers_in, entropy, looked_ahead
-    from plogic.sequence.next_view.reading import prospect_of
-
     camera, about = camera_from_dict(document["camera"]), options.about
     reading: Reading = options.reading or document["reading"]
     if "format" not in document:  # of a sequence
@@ -87,8 +78,6 @@ def looked(document: Looked, number: int, seed: int, options: Moves) -> NextView
 
 def _of_presence(document: LastView, reading: str, about: str | None) -> None:
     """Refuse what the worlds of a sequence do not say. Raises InterpretationError."""
-    from plogic.base.errors import InterpretationError
-
     if about is not None:
         raise InterpretationError(
             "--about: the worlds of a sequence say who is present and no more; ask the interpretation of one of its views"
@@ -101,8 +90,6 @@ def _of_presence(document: LastView, reading: str, about: str | None) -> None:
 
 def _listed(document: Looked) -> tuple[Worlds, list[float]]:
     """The worlds that the document lists, and what is not listed. Raises InterpretationError."""
-    from plogic.base.errors import InterpretationError
-
     lacking = [key for key in ("worlds", "unlisted_mass") if key not in document]
     if lacking:
         raise InterpretationError(*(f"{key}: is missing" for key in lacking))
@@ -114,15 +101,12 @@ def _worlds(document: Interpretation, situation: Situation, reading: Reading | N
     """The worlds that the interpretation lists, or those of the other reading."""
     if reading is None or reading == situation.reading:
         return _listed(document)
-    from plogic.scene.worlds.ranked_worlds import ranked_worlds
 
     ranking = ranked_worlds(replace(situation, reading=reading), LISTED_WORLDS)
     return [(w.probability, w.present) for w in ranking.worlds], list(ranking.unlisted)
 
 
 def _candidates(prospect: Prospect, camera: Camera, options: Moves) -> tuple[list[Candidate], MovesRow]:
-    from geometry.files.pose_files import read_moves
-    from plogic.sequence.next_view.moves import Candidate, checked, ring, standing, within
 
     stand = standing(camera.world_from_camera)
     if options.moves is not None:
@@ -208,10 +192,6 @@ def table_of(document: NextView) -> str:
     from rich import box
     from rich.table import Table
     from rich.text import Text
-
-    from plogic.face.shown.tables import text_of_table
-    from plogic.facts.situation import stopped_in
-    from plogic.scene.readings.unfinished import notice
 
     table = Table(title="next view", title_justify="left", box=box.SIMPLE_HEAD, pad_edge=False)
     table.add_column("rank", justify="right")

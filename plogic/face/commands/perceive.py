@@ -4,44 +4,42 @@ A pair gives the interpretation of one notional viewpoint, the left camera's (§
 is wrong with the input.
 """
 
-from __future__ import annotations
-
 import json
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 from pathlib import Path
 from time import monotonic
 from typing import TYPE_CHECKING, Any
 
+from numpy.typing import NDArray
+
+from geometry.camera import Camera
 from geometry.errors import PlogicError
 from geometry.files.pose_files import Placed, read_poses
+from kb.clouds.cloud import KnowledgeBase
 from plogic.base.clock import Stopwatch
 from plogic.base.errors import InputError
 from plogic.cycle.delta import Options
-from plogic.face.shown.options import written
+from plogic.face.shown.options import Perceiving, written
+from plogic.facts.document import HypothesisRow, Interpretation, RejectedRow
 from plogic.facts.interpretation import text_of
 from plogic.facts.situation import stopped_in
 from plogic.run.perceive import perceiver_of
 from plogic.run.sources import detected, gamma_of, image_of, is_gamma, kb_of, sized
 from plogic.scene.readings.unfinished import REASONS
 from plogic.scene.worlds.predictions import Doubt, said
+from sensing.appearance import Gamma
 from sensing.files.gamma_files import read_gamma
 from sensing.files.images import read_image
 from sensing.files.whole_files import check_places, write_files
 from sensing.simulated.physics import INSTALL, NO_PHYSICS, has_physics
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Sequence
-
-    from numpy.typing import NDArray
-
-    from geometry.camera import Camera
-    from kb.clouds.cloud import KnowledgeBase
-    from plogic.face.shown.options import Perceiving
-    from plogic.facts.document import HypothesisRow, Interpretation, RejectedRow
     from plogic.sequence.views.panorama import Look, Panorama
-    from sensing.appearance import Gamma
 
-    Say = Callable[[str], None]
+
+Say = Callable[[str], None]
+
 
 UNFINISHED = 3
 """Exit status: the deadline was reached, with the best answer so far printed and marked."""
@@ -228,8 +226,8 @@ def _of_sequence(frames: Sequence[str], options: Perceiving, say: Say, write: Sa
 
 
 def _looks(
-    panorama: Panorama, frames: Sequence[str], poses: Sequence[Placed | None], camera: str | None, say: Say
-) -> tuple[list[tuple[str, Look]], PlogicError | None]:
+    panorama: "Panorama", frames: Sequence[str], poses: Sequence[Placed | None], camera: str | None, say: Say
+) -> "tuple[list[tuple[str, Look]], PlogicError | None]":
     """Frame after frame, up to one that cannot be used, and what is wrong with that; raised where it is the first."""
     looks: list[tuple[str, Look]] = []
     for number, (frame, pose) in enumerate(zip(frames, poses, strict=True), 1):
@@ -276,7 +274,7 @@ def _named(frame: str, poses: Sequence[Placed]) -> Placed | None:
     return max(fit, key=lambda pair: pair[0])[1] if fit else None
 
 
-def _looked(panorama: Panorama, frame: str, placed: Placed | None, number: int, camera: str | None) -> Look:
+def _looked(panorama: "Panorama", frame: str, placed: Placed | None, number: int, camera: str | None) -> "Look":
     from plogic.sequence.constancy.sight_lines import View
 
     picture = None if is_gamma(frame) else image_of(frame, camera)
@@ -290,7 +288,7 @@ def _looked(panorama: Panorama, frame: str, placed: Placed | None, number: int, 
     return panorama.look(View(f"v{number}", there, pose), image)
 
 
-def _line(frame: str, look: Look, panorama: Panorama) -> str:
+def _line(frame: str, look: "Look", panorama: "Panorama") -> str:
     """One line: what was recalled, what was found, what is known now."""
     events = [step["event"] for step in look.interpretation["trace"]]
     told = [f"{events.count('recall')} recalled"] * ("recall" in events) + ["no search"] * ("no search" in events)

@@ -1,27 +1,21 @@
 """``plogic program``, ``report`` and ``measures``: an interpretation as program text, as a page and as tables."""
 
-from __future__ import annotations
-
 import json
-from dataclasses import asdict
-from typing import TYPE_CHECKING
+from collections.abc import Callable
+from dataclasses import asdict, replace
 
 from plogic.face.shown.options import written
-from plogic.facts.interpretation import read_interpretation
-from plogic.run.sources import situation_from
+from plogic.facts.interpretation import read_interpretation, situation_of
+from plogic.facts.situation import Reading
 from plogic.scene.readings.unfinished import marks, with_notice
-
-if TYPE_CHECKING:
-    from collections.abc import Callable
-
-    from plogic.facts.situation import Reading
 
 
 def program_command(interpretation: str, reading: Reading | None, *, as_json: bool = False) -> str:
     """The ProbLog text with its queries."""
     from plogic.scene.text.program_text import program_text, query_lines
 
-    situation = situation_from(interpretation, reading)
+    situation = situation_of(read_interpretation(interpretation))
+    situation = situation if reading is None else replace(situation, reading=reading)
     text = program_text(situation) + "\n" + query_lines(situation)
     told = {"format": "program/1", "reading": situation.reading, "program": text, **marks(situation.stopped)}
     return json.dumps(told) if as_json else text
@@ -36,11 +30,10 @@ def report_command(interpretation: str, out: str, *, say: Callable[[str], None],
 
 def measures_command(source: str, *, as_json: bool) -> str:
     """The document ``measures/1``, or both tables. Raises InterpretationError, SituationError."""
-    from plogic.face.python.measures import measures_of
-    from plogic.facts.situation import stopped_in
+    from plogic.face.python.interpretation import Interpretation
 
-    document = read_interpretation(source)
-    found, stopped = measures_of(document), stopped_in(document)
+    read = Interpretation.load(source)
+    found, stopped = read.measures(), read.subject.stopped
     if as_json:
         return json.dumps({"format": "measures/1", **asdict(found), **marks(stopped)})
     return with_notice(str(found), stopped)

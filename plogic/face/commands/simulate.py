@@ -3,21 +3,21 @@
 The wiring between meshes of Σ and the simulated camera, which knows no types, is here.
 """
 
-from __future__ import annotations
-
+from collections.abc import Callable, Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING
 
+import numpy as np
+
+from geometry.files.pose_files import read_moves
+from kb.clouds.cloud import KnowledgeBase, ObjectType
 from plogic.base.errors import InputError
+from plogic.run.bop.write import Kind, write_dataset
 from plogic.run.sources import kb_of
-
-if TYPE_CHECKING:
-    from collections.abc import Callable, Sequence
-
-    from kb.clouds.cloud import KnowledgeBase, ObjectType
-    from sensing.simulated.body import TexturedMesh
-    from sensing.simulated.scene import Scene
-
+from sensing.files.whole_files import check_new_folder
+from sensing.simulated.body import TexturedMesh, read_mesh
+from sensing.simulated.physics import INSTALL, NO_PHYSICS, has_physics
+from sensing.simulated.robot import Robot, write_tour
+from sensing.simulated.scene import Scene, random_scene, write_scene
 
 RING = "ring:"
 MOST_VIEWS = 360
@@ -40,9 +40,6 @@ def simulate_command(
     same. With ``robot``, the camera moves: a folder a frame, the first from where the scene's camera is, and
     ``poses.json``.
     """
-    from sensing.files.whole_files import check_new_folder
-    from sensing.simulated.scene import write_scene
-
     check_new_folder(out)
     if bop is not None:
         _check_apart(out, bop)
@@ -58,9 +55,6 @@ def simulate_command(
 
 def _tour(scene: Scene, moves: str, out: Path) -> None:
     """The frames of a robot that goes where ``moves`` says."""
-    from geometry.files.pose_files import read_moves
-    from sensing.simulated.robot import Robot, write_tour
-
     robot = Robot(scene)
     start = robot.world_from_camera
     others = (
@@ -73,8 +67,6 @@ def _tour(scene: Scene, moves: str, out: Path) -> None:
 
 def _views(moves: str) -> int:
     """N of ``ring:N``. Raises InputError."""
-    from plogic.base.errors import InputError
-
     text = moves.removeprefix(RING)
     if text.isascii() and text.isdecimal() and 1 <= len(text) <= len(str(MOST_VIEWS)) and 1 <= int(text) <= MOST_VIEWS:
         return int(text)
@@ -82,9 +74,6 @@ def _views(moves: str) -> int:
 
 
 def _scene(shapes: Sequence[tuple[str, TexturedMesh]], number: int, decoys: int, seed: int) -> Scene:
-    import numpy as np
-
-    from sensing.simulated.scene import random_scene
 
     rng = np.random.default_rng([seed, 1])
     order = [i for _ in range(number) for i in rng.permutation(len(shapes))][:number]
@@ -99,7 +88,6 @@ def _write_bop(
     decoys: int,
     folder: Path,
 ) -> None:
-    from plogic.run.bop.write import Kind, write_dataset
 
     kinds = [Kind(label, mesh, kb.type(label).symmetries) for label, mesh in shapes]
     write_dataset((_scene(shapes, number, decoys, seed) for seed in seeds), kinds, folder)
@@ -107,9 +95,6 @@ def _write_bop(
 
 def _check_apart(out: Path, bop: Path) -> None:
     """Both are new folders, and neither lies in the other."""
-    from plogic.base.errors import InputError
-    from sensing.files.whole_files import check_new_folder
-
     a, b = out.resolve(), bop.resolve()
     if a == b or a in b.parents or b in a.parents:
         raise InputError(f"{bop}: is named for two outputs, or lies in the other")
@@ -124,14 +109,11 @@ def shapes_of(kb: KnowledgeBase, names: Sequence[str] | None = None) -> list[tup
 
 def tell_without_physics(say: Callable[[str], None]) -> None:
     """Say how pictures are made on this machine where pybullet is not installed."""
-    from sensing.simulated.physics import INSTALL, NO_PHYSICS, has_physics
-
     if not has_physics():
         say(f"pictures are drawn by rays, and nothing falls or settles, for {NO_PHYSICS}: {INSTALL}")
 
 
 def _mesh(object_type: ObjectType) -> TexturedMesh:
-    from sensing.simulated.body import read_mesh
 
     if object_type.mesh_file is None:
         raise InputError(f"{object_type.name}: has no mesh, so that it cannot be rendered")

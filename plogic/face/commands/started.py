@@ -1,7 +1,5 @@
 """The console script: the command line, or one sentence where a file of the user's own hides a part of it."""
 
-from __future__ import annotations
-
 import sys
 from importlib import import_module
 

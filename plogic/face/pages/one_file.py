@@ -4,23 +4,17 @@ The policy allows nothing by default, images only as ``data:``, and of scripts a
 names: the page's own. The document travels as JSON in a data block, so no name in it is ever read as markup or script.
 """
 
-from __future__ import annotations
-
 import base64
 import hashlib
 import html
 import json
+from collections.abc import Mapping
 from dataclasses import dataclass
 from importlib.resources import files
 from string import Template
-from typing import TYPE_CHECKING
 
 from plogic.base.errors import BeliefError
-
-if TYPE_CHECKING:
-    from collections.abc import Mapping
-
-    from plogic.facts.document import Interpretation
+from plogic.facts.document import Interpretation
 
 
 class PageError(BeliefError):

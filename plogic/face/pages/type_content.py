@@ -4,29 +4,23 @@ Feature types, appearance types and parts are lists; features and lobes name the
 order of features.
 """
 
-from __future__ import annotations
-
 import base64
+from collections.abc import Iterable
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
+from numpy.typing import ArrayLike, NDArray
 
+from kb.clouds.cloud import KnowledgeBase, ObjectType
+from kb.clouds.learned import LearnedCloud
 from kb.shown.cautions import learned_summary
 from kb.shown.show import part_of_features, part_rows
 from plogic.face.pages.one_file import PageParts, one_file
 from plogic.measures.distinctiveness import distinctiveness, instance_counts
+from plogic.run.carried import alike, cells_of, means, whole
 from sensing.errors import SensingError
-
-if TYPE_CHECKING:
-    from collections.abc import Iterable
-
-    from numpy.typing import ArrayLike, NDArray
-
-    from kb.clouds.cloud import KnowledgeBase, ObjectType
-    from kb.clouds.learned import LearnedCloud
-    from sensing.simulated.body import TexturedMesh
-
+from sensing.simulated.body import TexturedMesh, read_mesh
 
 LARGEST = 3e38
 """Of a number in single precision; beyond it stands this."""
@@ -107,8 +101,6 @@ def surface_document(kind: ObjectType) -> tuple[dict[str, Any] | None, list[str]
 
 def _painted(kind: ObjectType) -> tuple[TexturedMesh | None, list[str]]:
     """The textured mesh, None where there is none or it cannot be read."""
-    from sensing.simulated.body import read_mesh
-
     if kind.mesh_file is None:
         return None, []
     try:
@@ -129,28 +121,13 @@ def coarser(mesh: Drawn) -> Drawn:
 
 
 def _clustered(mesh: Drawn, cells: int) -> Drawn:
-    low = mesh.vertices.min(axis=0)
-    side = float((mesh.vertices.max(axis=0) - low).max()) / cells or 1.0
-    place = _alike(np.floor((mesh.vertices - low) / side))
-    corner = place if mesh.uv is None else _alike(np.column_stack([place, np.floor(mesh.uv * SEAMS)]))
-    faces = place[mesh.triangles]
-    kept = (faces[:, 0] != faces[:, 1]) & (faces[:, 1] != faces[:, 2]) & (faces[:, 0] != faces[:, 2])
-    once = np.sort(np.unique(np.sort(faces[kept], axis=1), axis=0, return_index=True)[1])
-    triangles = corner[mesh.triangles[kept][once]]
+    place = cells_of(mesh.vertices, cells)
+    corner = place if mesh.uv is None else alike(np.column_stack([place, np.floor(mesh.uv * SEAMS)]))
+    triangles = corner[mesh.triangles[whole(place[mesh.triangles])]]
     _, first = np.unique(corner, return_index=True)
     used, index = np.unique(triangles, return_inverse=True)
-    vertices = _means(mesh.vertices, place)[place[first]][used]
-    return Drawn(vertices, index.reshape(-1, 3), None if mesh.uv is None else _means(mesh.uv, corner)[used])
-
-
-def _alike(rows: NDArray[Any]) -> NDArray[np.int64]:
-    """(N,) the number of each row among the different ones."""
-    return np.unique(rows.astype(np.int64), axis=0, return_inverse=True)[1].reshape(-1)
-
-
-def _means(values: NDArray[np.float64], group: NDArray[np.int64]) -> NDArray[np.float64]:
-    count = np.bincount(group)
-    return np.stack([np.bincount(group, values[:, i]) / count for i in range(values.shape[1])], axis=1)
+    vertices = means(mesh.vertices, place)[place[first]][used]
+    return Drawn(vertices, index.reshape(-1, 3), None if mesh.uv is None else means(mesh.uv, corner)[used])
 
 
 def _picture(texture: NDArray[np.uint8]) -> tuple[dict[str, str], tuple[int, int]]:

@@ -1,27 +1,22 @@
 """Questions that an interpretation and a program answer alike, and a program of one's own."""
 
-from __future__ import annotations
-
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
-from typing import TYPE_CHECKING, Self
+from pathlib import Path
+from typing import Self
 
 from plogic.base.errors import LimitError
 from plogic.face.session.account_text import account_text
 from plogic.face.session.blocks import Block, Lines, Result
 from plogic.face.session.minds import ranked
 from plogic.face.session.results import Answers, Worlds
+from plogic.facts.situation import Stopped
 from plogic.logic.served.engine import TOO_DEEP, Limits, Text
 from plogic.run.sources import program_text_of, rules_from
 from plogic.scene.asking.explanations import Account, Reason, explain, present
 from plogic.scene.asking.query import Subject, answers, answers_until, stopped_of
 from plogic.scene.readings.unfinished import with_notice
-
-if TYPE_CHECKING:
-    from collections.abc import Callable, Sequence
-    from pathlib import Path
-
-    from plogic.facts.situation import Stopped
 
 EXPLANATIONS = 5
 """Explanations of each kind, where no number is asked for."""
@@ -85,7 +80,7 @@ class Asked:
         """
         return ranked(self.subject, n, literals(given), self.limits, deadline)[0]
 
-    def explain(self, goal: str, *, given: str | Sequence[str] = (), n: int | None = None) -> Explanation:
+    def explain(self, goal: str, *, given: str | Sequence[str] = (), n: int | None = None) -> "Explanation":
         """Say why the goal holds, and why not; printed, it is the text of ``plogic explain``.
 
         Args:

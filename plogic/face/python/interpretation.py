@@ -1,34 +1,80 @@
 """An interpretation for Python: what a picture shows, and everything that can be asked of it."""
 
-from __future__ import annotations
-
 import base64
+from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, Self, get_args
 
 import numpy as np
+from numpy.typing import NDArray
 
 from plogic.base.errors import InputError
 from plogic.face.python.asking import Asked, Program
-from plogic.face.session.blocks import Block, Column, Rows, Table, html_of, text_of
+from plogic.face.session.blocks import Block, Column, Result, Rows, Table
 from plogic.face.session.results import World, Worlds
 from plogic.face.shown.figures import chance, interval, signed
 from plogic.facts import document as rows
 from plogic.facts import interpretation
 from plogic.facts.situation import Reading, Situation
+from plogic.run.measured import Distinctive, Measure, measured
 from plogic.run.sources import is_program
 from plogic.scene.text.program_text import program_text, query_lines
 from sensing.files.whole_files import write_whole
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping
-
-    from numpy.typing import NDArray
-
-    from plogic.face.python.measures import Measures
     from plogic.face.python.pictures import Camera
+
+
+TITLES = {
+    "ev": "ev",
+    "ev_to_B": "to_B",
+    "ev_drop": "drop",
+    "ev_reassign": "reassign",
+    "ev_over_instances": "ev, Δ's dv",
+    "shanahan": "Shanahan",
+    "posterior": "posterior",
+    "dv": "dv",
+    "dv_over_instances": "Δ's dv",
+    "rank": "rank",
+}
+"""Titles of a hypothesis' measures in the table."""
+FEATURES = (
+    Column("feature type"),
+    Column("dv over types", right=True),
+    Column("dv over instances in Δ", right=True),
+)
+
+
+@dataclass(frozen=True, repr=False)
+class Measures(Rows[Measure]):
+    """A row each hypothesis of Δh, in its order; ``features``: dv of each feature type."""
+
+    hypotheses: tuple[Measure, ...]
+    features: tuple[Distinctive, ...]
+
+    @property
+    def rows(self) -> tuple[Measure, ...]:
+        """The hypotheses' measures."""
+        return self.hypotheses
+
+    def blocks(self) -> tuple[Block, ...]:
+        """Both tables."""
+        columns = (Column("hypothesis"), Column("status"), *(Column(title, right=True) for title in TITLES.values()))
+        rows = tuple((f"{h.type} {h.id}", h.status, *(_cell(h, name) for name in TITLES)) for h in self.hypotheses)
+        kinds = tuple((f.type, chance(f.over_types), chance(f.over_instances)) for f in self.features)
+        return Table("hypotheses", columns, rows), Table("feature types", FEATURES, kinds)
+
+
+def measures_of(document: rows.Interpretation) -> Measures:
+    """Return the measures of an interpretation. Raises SituationError where the posterior cannot be computed exactly."""
+    return Measures(*measured(document))
+
+
+def _cell(h: Measure, name: str) -> str:
+    value: float | None = getattr(h, name)
+    return signed(value) if name.startswith("ev") else chance(value)
 
 
 @dataclass(frozen=True, eq=False)
@@ -118,7 +164,7 @@ class Picture(np.ndarray[tuple[int, ...], np.dtype[np.uint8]]):
         return bytes(cv2.imencode(".png", np.asarray(self))[1].tobytes())
 
 
-class Interpretation(Asked):
+class Interpretation(Asked, Result):
     """What one picture shows: hypotheses, possible worlds, relations; self-contained, so that no image or KB has to be at hand."""
 
     def __init__(self, document: rows.Interpretation, *, image: NDArray[np.uint8] | None = None) -> None:
@@ -152,7 +198,7 @@ class Interpretation(Asked):
         return bool(self._document.get("unfinished"))
 
     @property
-    def camera(self) -> Camera:
+    def camera(self) -> "Camera":
         """The camera."""
         from geometry.camera import camera_from_dict
         from plogic.face.python.pictures import Camera
@@ -179,10 +225,8 @@ class Interpretation(Asked):
         """The typed situation that questions are put to."""
         return interpretation.situation_of(self._document)
 
-    def measures(self) -> Measures:
+    def measures(self) -> "Measures":
         """Return ev in each mode, Shanahan's value, the posterior, dv and rank: a row each hypothesis that is not rejected."""
-        from plogic.face.python.measures import measures_of
-
         return measures_of(self._document)
 
     def program(self) -> Program:
@@ -231,12 +275,6 @@ class Interpretation(Asked):
         """The cause of every appearance; where only some are listed, the others are noise."""
         rest = self._document["appearances"] if self._document.get("causes_else") == "noise" else []
         return {a["id"]: "noise" for a in rest} | dict(listed)
-
-    def __repr__(self) -> str:
-        return text_of(self.blocks())
-
-    def _repr_html_(self) -> str:
-        return html_of(self.blocks())
 
     def __eq__(self, other: object) -> bool:
         return self._document == other.document if isinstance(other, Interpretation) else NotImplemented

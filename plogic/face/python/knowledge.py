@@ -1,27 +1,23 @@
 """A knowledge base for Python: read once, made ready once, and used for any number of images, in several processes too."""
 
-from __future__ import annotations
-
 import os
 from functools import lru_cache
 from multiprocessing import parent_process
 from pathlib import Path
 from threading import Lock, active_count
-from typing import TYPE_CHECKING, Self
+from typing import Self
 
+from kb.clouds.cloud import KnowledgeBase as Sigma
 from plogic.base.errors import InputError
-from plogic.face.session.blocks import Block, Column, Table, html_of, text_of
+from plogic.face.session.blocks import Block, Column, Result, Table
 from plogic.run.perceive import Perceiver, perceiver_of
 from plogic.run.sources import kb_of
-
-if TYPE_CHECKING:
-    from kb.clouds.cloud import KnowledgeBase as Sigma
 
 MOST_KEPT = 8
 """Knowledge bases that a process keeps of those which other processes sent it."""
 
 
-class KnowledgeBase:
+class KnowledgeBase(Result):
     """What can exist: object types, detector statistics, priors and rules.
 
     A copy that another process receives reads the folder again, once for each process, and holds it to the digest.
@@ -90,12 +86,6 @@ class KnowledgeBase:
             for t in self._sigma.types
         )
         return (Table(f"knowledge base {self.name}", columns, rows),)
-
-    def __repr__(self) -> str:
-        return text_of(self.blocks())
-
-    def _repr_html_(self) -> str:
-        return html_of(self.blocks())
 
     def __eq__(self, other: object) -> bool:
         return self.digest == other.digest if isinstance(other, KnowledgeBase) else NotImplemented

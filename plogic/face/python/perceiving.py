@@ -1,12 +1,14 @@
 """``perceive`` and ``detect``: from an image or Γ to an interpretation."""
 
-from __future__ import annotations
-
 from math import isnan
 from pathlib import Path
 from time import monotonic
-from typing import TYPE_CHECKING, get_args
+from typing import get_args
 
+import numpy as np
+from numpy.typing import NDArray
+
+from geometry.camera import Camera
 from plogic.base.clock import Stopwatch
 from plogic.base.errors import InputError
 from plogic.cycle.delta import Options
@@ -17,12 +19,6 @@ from plogic.facts.situation import Reading, Reconsider
 from plogic.run.sources import detected, is_gamma
 from sensing import appearance
 from sensing.files.gamma_files import gamma_from_dict, gamma_to_dict, read_gamma
-
-if TYPE_CHECKING:
-    import numpy as np
-    from numpy.typing import NDArray
-
-    from geometry.camera import Camera
 
 
 def detect(image: Image, kb: KnowledgeBase | str | Path, camera: Camera | str | Path | None = None) -> Gamma:

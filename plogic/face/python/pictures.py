@@ -1,12 +1,12 @@
 """Cameras, images and Γ as a user of Python gives them."""
 
-from __future__ import annotations
-
+from collections.abc import Sequence
 from math import radians, tan
 from pathlib import Path
-from typing import TYPE_CHECKING, Self
+from typing import Self
 
 import numpy as np
+from numpy.typing import ArrayLike, NDArray
 
 from geometry import camera as geometry_camera
 from geometry.errors import CameraError
@@ -17,12 +17,6 @@ from plogic.run.sources import sized
 from sensing import appearance as sensing_appearance
 from sensing.appearance import Appearance
 from sensing.errors import ImageError
-
-if TYPE_CHECKING:
-    from collections.abc import Sequence
-
-    from numpy.typing import ArrayLike, NDArray
-
 
 Image = str | Path | np.ndarray[tuple[int, ...], np.dtype[np.uint8]]
 """An image: its file, or its pixels (H, W, 3) uint8, blue first."""

@@ -1,17 +1,12 @@
 """A session for Python about an interpretation or a program."""
 
-from __future__ import annotations
+from pathlib import Path
+from typing import Self
 
-from typing import TYPE_CHECKING, Self
-
+from plogic.face.python.asking import Asked
 from plogic.face.python.interpretation import opened
 from plogic.face.session import session
-
-if TYPE_CHECKING:
-    from pathlib import Path
-
-    from plogic.face.python.asking import Asked
-    from plogic.facts.situation import Reading
+from plogic.facts.situation import Reading
 
 
 class Session(session.Session):

@@ -1,13 +1,8 @@
 """An account of a goal as text: its probability, why, why not, and what it lacked."""
 
-from __future__ import annotations
+from collections.abc import Iterator
 
-from typing import TYPE_CHECKING
-
-if TYPE_CHECKING:
-    from collections.abc import Iterator
-
-    from plogic.scene.asking.explanations import Account, Covered, Explanation, Miss, Reason
+from plogic.scene.asking.explanations import Account, Covered, Explanation, Miss, Reason
 
 
 def account_text(account: Account, *, brief: bool = False) -> str:
@@ -24,7 +19,8 @@ def account_text(account: Account, *, brief: bool = False) -> str:
             *(line for i, m in enumerate(account.misses, 1) for line in _miss(i, m)),
         ]
     elif account.failure is not None:
-        lines += ["", "it cannot hold: no fact and no rule gives it", *_failure(account.failure)]
+        conditions = (line for child in account.failure.children for line in _condition(child, 1))
+        lines += ["", "it cannot hold: no fact and no rule gives it", *conditions]
     return "\n".join([*lines, *([""] if account.notes else []), *(f"note: {note}" for note in account.notes)])
 
 
@@ -109,8 +105,3 @@ def _condition(reason: Reason, depth: int) -> Iterator[str]:
     yield "  " * depth + f"[{mark:^5}] {reason.goal}"
     for child in reason.children:
         yield from _condition(child, depth + 2)
-
-
-def _failure(reason: Reason) -> Iterator[str]:
-    for child in reason.children:
-        yield from _condition(child, 1)

@@ -10,8 +10,6 @@ Names come from strangers: whatever no terminal prints (escape sequences, line b
 its escape, ``\\x1b``.
 """
 
-from __future__ import annotations
-
 import io
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, fields, is_dataclass
@@ -34,6 +32,14 @@ class Note:
 
     text: str
 
+    def lines(self, width: int, *, styled: bool) -> list[str]:  # noqa: ARG002 - a terminal wraps it
+        """The sentence."""
+        return [visible(self.text)]
+
+    def html(self) -> str:
+        """A paragraph."""
+        return f"<p>{_safe(self.text)}</p>"
+
 
 @dataclass(frozen=True)
 class Column:
@@ -51,13 +57,55 @@ class Table:
     columns: tuple[Column, ...]
     rows: tuple[tuple[str, ...], ...]
 
+    def lines(self, width: int, *, styled: bool) -> list[str]:
+        """The title, then the rows under their headings."""
+        from rich import box
+        from rich.console import Console
+        from rich.table import Table as Grid
+        from rich.text import Text
+
+        grid = Grid(box=box.SIMPLE_HEAD, header_style="dim", pad_edge=False)
+        for column in self.columns:
+            grid.add_column(column.name, justify="right" if column.right else "left", overflow="fold")
+        for row in self.rows:
+            grid.add_row(*(Text(visible(cell)) for cell in row))
+        buffer = io.StringIO()
+        console = Console(file=buffer, force_terminal=styled, force_jupyter=False, width=width, highlight=False)
+        console.print(Text(visible(self.title), style="bold"), soft_wrap=True)
+        console.print(grid)
+        return [line.rstrip() for line in buffer.getvalue().splitlines()]
+
+    def html(self) -> str:
+        """A table with its caption."""
+        sides = [
+            ' style="text-align: right"' if column.right else ' style="text-align: left"' for column in self.columns
+        ]
+        head = "".join(f"<th{side}>{_safe(column.name)}</th>" for column, side in zip(self.columns, sides, strict=True))
+        rows = [
+            "".join(f"<td{side}>{_safe(cell)}</td>" for cell, side in zip(row, sides, strict=True)) for row in self.rows
+        ]
+        body = "".join(f"<tr>{row}</tr>" for row in rows)
+        return (
+            f"<table><caption>{_safe(self.title)}</caption><thead><tr>{head}</tr></thead><tbody>{body}</tbody></table>"
+        )
+
 
 @dataclass(frozen=True)
 class Lines:
     """Preformatted lines; in HTML they fold under their heading."""
 
     heading: str
-    lines: tuple[str, ...]
+    body: tuple[str, ...]
+
+    def lines(self, width: int, *, styled: bool) -> list[str]:  # noqa: ARG002 - they are laid out already
+        """The heading, where there is one, and the lines."""
+        return [visible(line) for line in ((self.heading, *self.body) if self.heading else self.body)]
+
+    def html(self) -> str:
+        """The lines, in an element that opens and closes where they have a heading."""
+        lines = "\n".join(_safe(line) for line in self.body)
+        heading = f"<details open><summary>{_safe(self.heading)}</summary>" if self.heading else ""
+        return f"{heading}<pre>{lines}</pre>{'</details>' * bool(heading)}"
 
 
 Block = Note | Table | Lines
@@ -70,63 +118,12 @@ def visible(text: str) -> str:
 
 def text_of(blocks: Iterable[Block], *, width: int = WIDTH, styled: bool = False) -> str:
     """The blocks as text for a terminal of ``width`` columns; colours and emphasis only where ``styled``."""
-    return "\n".join(_text(block, width, styled=styled) for block in blocks)
+    return "\n".join(line for block in blocks for line in block.lines(width, styled=styled))
 
 
 def html_of(blocks: Iterable[Block]) -> str:
     """The blocks as one element of HTML, everything escaped, nothing that runs and nothing fetched."""
-    return f'<div class="plogic">{"".join(_html(block) for block in blocks)}</div>'
-
-
-def _text(block: Block, width: int, *, styled: bool) -> str:
-    if isinstance(block, Note):
-        return visible(block.text)
-    if isinstance(block, Lines):
-        return "\n".join(
-            [*([visible(block.heading)] if block.heading else []), *(visible(line) for line in block.lines)]
-        )
-    return _table_text(block, width, styled=styled)
-
-
-def _table_text(block: Table, width: int, *, styled: bool) -> str:
-    from rich import box
-    from rich.console import Console
-    from rich.table import Table as Grid
-    from rich.text import Text
-
-    grid = Grid(box=box.SIMPLE_HEAD, header_style="dim", pad_edge=False)
-    for column in block.columns:
-        grid.add_column(column.name, justify="right" if column.right else "left", overflow="fold")
-    for row in block.rows:
-        grid.add_row(*(Text(visible(cell)) for cell in row))
-    buffer = io.StringIO()
-    console = Console(file=buffer, force_terminal=styled, force_jupyter=False, width=width, highlight=False)
-    console.print(Text(visible(block.title), style="bold"), soft_wrap=True)
-    console.print(grid)
-    return "\n".join(line.rstrip() for line in buffer.getvalue().splitlines())
-
-
-def _html(block: Block) -> str:
-    if isinstance(block, Note):
-        return f"<p>{_safe(block.text)}</p>"
-    if isinstance(block, Lines):
-        lines = "\n".join(_safe(line) for line in block.lines)
-        return (
-            f"<details open><summary>{_safe(block.heading)}</summary><pre>{lines}</pre></details>"
-            if block.heading
-            else f"<pre>{lines}</pre>"
-        )
-    return _table_html(block)
-
-
-def _table_html(block: Table) -> str:
-    sides = [' style="text-align: right"' if column.right else ' style="text-align: left"' for column in block.columns]
-    head = "".join(f"<th{side}>{_safe(column.name)}</th>" for column, side in zip(block.columns, sides, strict=True))
-    rows = [
-        "".join(f"<td{side}>{_safe(cell)}</td>" for cell, side in zip(row, sides, strict=True)) for row in block.rows
-    ]
-    body = "".join(f"<tr>{row}</tr>" for row in rows)
-    return f"<table><caption>{_safe(block.title)}</caption><thead><tr>{head}</tr></thead><tbody>{body}</tbody></table>"
+    return f'<div class="plogic">{"".join(block.html() for block in blocks)}</div>'
 
 
 def _safe(text: str) -> str:
@@ -179,7 +176,7 @@ class Rows(Result, Sequence[Row_co]):
         """The rows as dictionaries: a column each field, and of bindings a column each variable."""
         return [_record(row) for row in self.rows]
 
-    def to_pandas(self) -> pd.DataFrame:
+    def to_pandas(self) -> "pd.DataFrame":
         """Return the rows as a ``pandas.DataFrame``, with the columns of ``records``.
 
         Raises:

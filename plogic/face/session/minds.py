@@ -4,15 +4,15 @@ The observations come with every question, sorted, so that nothing depends on wh
 worlds of either without a session.
 """
 
-from __future__ import annotations
-
 import math
 import time
+from collections.abc import Callable, Sequence
 from dataclasses import replace
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from plogic.base.errors import InputError, OutsideError
 from plogic.face.session.results import World, Worlds
+from plogic.facts.situation import Situation
 from plogic.facts.vocabulary import entries
 from plogic.logic.safety.atoms import SPELLINGS, quoted
 from plogic.logic.served.engine import Answer, Limits, Process, ProgramRanking, Text, ask, program_worlds, through
@@ -23,11 +23,6 @@ from plogic.scene.asking.query import Subject, answers, stopped_of, subject_text
 from plogic.scene.readings.unfinished import proved
 from plogic.scene.text.program_text import program_text
 from plogic.scene.worlds.ranked_worlds import Ranking, ranked_worlds
-
-if TYPE_CHECKING:
-    from collections.abc import Callable, Sequence
-
-    from plogic.facts.situation import Situation
 
 DIRECTIVES = {"query", "evidence"}
 """Predicates that say what is asked, and that nobody asks for."""

@@ -1,12 +1,10 @@
 """The shell at a terminal: a prompt with history and completion; Ctrl-C stops a question, Ctrl-D ends the session."""
 
-from __future__ import annotations
-
 import os
 import re
 import shutil
+from collections.abc import Callable, Iterable, Iterator
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 from prompt_toolkit import PromptSession
 from prompt_toolkit.completion import CompleteEvent, Completer, Completion, PathCompleter
@@ -16,13 +14,8 @@ from prompt_toolkit.shortcuts import CompleteStyle
 
 from geometry.errors import PlogicError
 from plogic.face.session.blocks import visible
-from plogic.face.session.lines import attempted, shown
-from plogic.face.session.verbs import SYNONYMS, VERBS, is_end
-
-if TYPE_CHECKING:
-    from collections.abc import Callable, Iterable, Iterator
-
-    from plogic.face.session.session import Session
+from plogic.face.session.session import Session
+from plogic.face.session.verbs import SYNONYMS, VERBS, attempted, is_end, shown
 
 
 def history_file() -> Path:

@@ -10,22 +10,17 @@ terminal. Vocabulary:
 * ``Explained`` of ``why`` and ``whynot``, ``Listing`` of ``listing``, ``Saved`` of ``save``, ``Replayed`` of ``load``
 """
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING
 
 from plogic.face.session.account_text import account_text
 from plogic.face.session.blocks import Block, Column, Lines, Note, Result, Rows, Table
 from plogic.face.shown.figures import NONE, chance, interval
+from plogic.facts.situation import Stopped
 from plogic.logic.safety.author import bindings
+from plogic.logic.served.engine import Answer
+from plogic.scene.asking.explanations import Account
 from plogic.scene.readings.unfinished import notice, proved
-
-if TYPE_CHECKING:
-    from plogic.facts.situation import Stopped
-    from plogic.logic.served.engine import Answer
-    from plogic.scene.asking.explanations import Account
 
 PROBABILITY = Column("probability", right=True)
 
@@ -76,13 +71,9 @@ class Prediction:
 
 
 @dataclass(frozen=True)
-class PredictionRow:
+class PredictionRow(AnswerRow):
     """One answer: its ``probability`` given what was observed, with bounds, and what it was ``before``."""
 
-    goal: str
-    bindings: dict[str, str | int | float]
-    probability: float
-    interval: tuple[float, float]
     before: float
 
 

@@ -11,27 +11,22 @@
 The order of observations changes nothing, and taking one back restores every byte (tested).
 """
 
-from __future__ import annotations
-
 from pathlib import Path
-from typing import TYPE_CHECKING, Self, TypeVar
+from typing import Self, TypeVar
 
 from plogic.base.errors import InconsistentError, InputError, ProgramError
 from plogic.face.session import results
 from plogic.face.session.blocks import Result
-from plogic.face.session.lines import replayed
 from plogic.face.session.minds import mind_of
+from plogic.face.session.verbs import replayed
+from plogic.facts.situation import Stopped
 from plogic.logic.safety.atoms import is_ground, one_line, tokens
 from plogic.logic.served.engine import Answer, Limits
+from plogic.logic.served.outline import Predicate
 from plogic.run.sources import program_text_of
-from plogic.scene.asking.query import stopped_of
+from plogic.scene.asking.query import Subject, stopped_of
 from plogic.scene.readings.unfinished import REASONS, opened, proved
 from sensing.files.whole_files import write_whole
-
-if TYPE_CHECKING:
-    from plogic.facts.situation import Stopped
-    from plogic.logic.served.outline import Predicate
-    from plogic.scene.asking.query import Subject
 
 _R = TypeVar("_R", bound=Result)
 

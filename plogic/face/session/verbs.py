@@ -3,22 +3,23 @@
 ``perform(session, "ask present(h1).")`` is ``session.ask("present(h1)")``; a line without a verb is ``ask``.
 """
 
-from __future__ import annotations
-
+import contextlib
 import difflib
+import os
 import re
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Literal
 
+from geometry.errors import PlogicError
 from plogic.base.errors import InputError, UnknownPredicateError
-from plogic.face.session.results import Help
+from plogic.face.session.blocks import Result
+from plogic.face.session.results import Help, Replayed
 from plogic.logic.safety.atoms import OPERATORS
 
 if TYPE_CHECKING:
-    from collections.abc import Callable
-
-    from plogic.face.session.blocks import Result
     from plogic.face.session.session import Session
+
 
 Takes = Literal["goal", "observed", "number", "predicate", "file", "verb", "nothing"]
 """What a verb's argument is: what completion offers for it."""
@@ -32,7 +33,7 @@ class Verb:
     usage: str
     meaning: str
     takes: Takes
-    call: Callable[[Session, str], Result] | None = None
+    call: "Callable[[Session, str], Result] | None" = None
 
 
 def _number(verb: str, text: str, default: int) -> int:
@@ -126,7 +127,7 @@ def is_end(line: str) -> bool:
     return match is not None and SYNONYMS.get(match[1], match[1]) == "quit"
 
 
-def perform(session: Session, line: str) -> Result | None:
+def perform(session: "Session", line: str) -> Result | None:
     """What a line comes to; None for an empty line, a comment and ``quit``. Raises what the verb raises."""
     if not line.strip() or line.lstrip().startswith("%"):
         return None
@@ -144,7 +145,7 @@ def perform(session: Session, line: str) -> Result | None:
         raise _helpful(error, argument) from None
 
 
-def helped(session: Session, topic: str) -> Result:
+def helped(session: "Session", topic: str) -> Result:
     """The table of verbs; or what one verb, or a predicate that can be asked for, means. Raises InputError where it is neither."""
     if not topic:
         return Help("verbs (a line without one is `ask`)", tuple((verb.usage, verb.meaning) for verb in VERBS))
@@ -165,3 +166,56 @@ def _helpful(error: UnknownPredicateError, goal: str) -> UnknownPredicateError:
 def _perhaps(word: str) -> str:
     near = difflib.get_close_matches(word, [verb.name for verb in VERBS], 1)
     return f" (did you mean `{near[0]}`?)" if near else ""
+
+
+def attempted(session: "Session", line: str) -> tuple[Result | None, list[str]]:
+    """What the line came to, and the mistakes in it, a sentence each: a line that fails never ends the session."""
+    try:
+        return perform(session, line), []
+    except PlogicError as error:
+        return None, str(error).splitlines()
+    except Exception as error:  # a mistake of ours in one verb is no reason to lose the session
+        if os.environ.get("PLOGIC_TRACEBACK"):
+            raise
+        what = " ".join(f"{type(error).__name__}: {error}".split())
+        return None, [f"internal error: {what} (please report it with the traceback that PLOGIC_TRACEBACK=1 shows)"]
+
+
+def shown(text: str) -> str:
+    """A result's text, set off from the next by an empty line where it is more than a sentence."""
+    return text.rstrip("\n") + "\n" + "\n" * ("\n" in text)
+
+
+def replayed(session: "Session", file: str, text: str) -> Replayed:
+    """What each line comes to; raises InputError with file and line at the first that fails."""
+    results = []
+    for number, line in enumerate(text.splitlines(), 1):
+        try:
+            if verb_of(line)[0] == "load":
+                raise InputError("a saved session loads no other")
+            result = perform(session, line)
+        except PlogicError as error:
+            raise InputError(f"{file}:{number}: {error}") from None
+        if result is not None:
+            results.append(result)
+    return Replayed(tuple(results))
+
+
+def run_lines(
+    session: "Session", lines: Iterable[bytes], write: Callable[[str], None], say: Callable[[str], None]
+) -> int:
+    """Do every line up to ``quit``; a line that fails is told and does not end the session. The exit code: 1 if any failed, else 0."""
+    status = 0
+    for number, data in enumerate(lines, 1):
+        result, mistakes = None, ["is not UTF-8 text"]
+        with contextlib.suppress(UnicodeDecodeError):
+            line = data.decode("utf-8-sig")
+            if is_end(line):
+                break
+            result, mistakes = attempted(session, line)
+        if result is not None:
+            write(shown(str(result)))
+        for mistake in mistakes:
+            status = 1
+            say(f"plogic: line {number}: {mistake}")
+    return status

@@ -1,7 +1,5 @@
 """Probabilities and explanatory values as people read them."""
 
-from __future__ import annotations
-
 NONE = "–"
 
 

@@ -175,6 +175,20 @@ class Learning:
     as_json: bool = False
 
 
+@dataclass(frozen=True)
+class Photo:
+    """The files that ``plogic kb learn --photo`` reads.
+
+    ``photo`` and ``points``; ``camera``, where its intrinsics are known; ``mesh`` and its ``units``, where the type is new.
+    """
+
+    photo: Path
+    points: Path
+    camera: Path | None = None
+    mesh: Path | None = None
+    units: str | None = None
+
+
 def emit(text: str) -> None:
     """Write a text to stdout, with an end of line."""
     sys.stdout.write(text if text.endswith("\n") else text + "\n")

@@ -11,23 +11,17 @@ claims, thousands in a photo, are left out. Of the sides of edges a found one is
 towards its side, and a missed one, of which no angle is known, a small cross.
 """
 
-from __future__ import annotations
-
 from collections import Counter
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import partial
-from typing import TYPE_CHECKING
 
 import cv2
 import numpy as np
+from numpy.typing import NDArray
 
 from plogic.face.shown.pencil import Box, Colour, Pencil, Place, free_place
-
-if TYPE_CHECKING:
-    from numpy.typing import NDArray
-
-    from plogic.facts.document import FeatureRow, HypothesisRow, Interpretation
+from plogic.facts.document import FeatureRow, HypothesisRow, Interpretation
 
 PALETTE = ("#E69F00", "#56B4E9", "#009E73", "#CC79A7", "#F0E442", "#D55E00", "#0072B2")
 """Okabe and Ito's colours without black, as the page uses them."""

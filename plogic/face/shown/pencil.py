@@ -5,17 +5,12 @@ draws on ``picture``, which is ``scale`` times larger. Every mark has a dark cas
 dark ground.
 """
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
 import cv2
 import numpy as np
-
-if TYPE_CHECKING:
-    from numpy.typing import NDArray
+from numpy.typing import NDArray
 
 Colour = tuple[int, int, int]
 Box = tuple[float, float, float, float]

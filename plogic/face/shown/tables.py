@@ -1,11 +1,9 @@
 """Tables as text: plain where stdout is no terminal, and where NO_COLOR is set; those of answers, worlds and measures."""
 
-from __future__ import annotations
-
 import io
 import os
 import sys
-from typing import TYPE_CHECKING
+from collections.abc import Iterable, Mapping, Sequence
 
 from rich import box
 from rich.console import Console
@@ -13,14 +11,9 @@ from rich.table import Table
 from rich.text import Text
 
 from plogic.face.shown.figures import NONE, chance, interval, signed
+from plogic.facts.document import Cells, Interpretation
+from plogic.scene.document import Answers
 from plogic.scene.readings.unfinished import unlisted_beyond
-
-if TYPE_CHECKING:
-    from collections.abc import Iterable, Mapping, Sequence
-
-    from plogic.facts.document import Cells, Interpretation
-    from plogic.scene.document import Answers
-
 
 CELLS = ("expected_detected", "expected_missed", "hidden_missed", "hidden_detected")
 """The four cases in the paper's column order: A, C, B, D."""

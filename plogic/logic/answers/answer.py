@@ -10,15 +10,14 @@ evidence hold, the query fails under the evidence, or the evidence fails; else i
 are certain, and those that are possible, follows the interval; rounding widens it.
 """
 
-from __future__ import annotations
-
 import heapq
 import json
 import time
+from collections.abc import Callable, Iterable
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, field
 from functools import lru_cache
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -27,13 +26,9 @@ from problog.logic import And, Constant, Not, Or, Term, Var
 from plogic.logic.dnnf.compiled import Compiled, compiled
 from plogic.logic.grounding.ground_program import TRUE, Ground
 from plogic.logic.grounding.load import Request, ground, request_from, variables, with_something_asked
+from plogic.logic.safety.atoms import Names
 from plogic.logic.safety.mapping import shown
 from sensing.uncollected import uncollected
-
-if TYPE_CHECKING:
-    from collections.abc import Callable, Iterable
-
-    from plogic.logic.safety.atoms import Names
 
 
 def answers_of_text(text: str) -> dict[str, float]:

@@ -11,17 +11,16 @@ never less than the weight of any completion, and equal to it once all atoms are
 that comes up is the best (A*).
 """
 
-from __future__ import annotations
-
 import heapq
 import math
 import time
 from collections import Counter
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from functools import reduce
 from itertools import combinations
 from operator import and_, or_
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 from problog.logic import AnnotatedDisjunction, Clause
@@ -30,14 +29,10 @@ from plogic.base.walk import reached
 from plogic.logic.answers.answer import grouped, prepared
 from plogic.logic.dnnf.compiled import Circuit, Compiled, Floats, circuit_of
 from plogic.logic.dnnf.nnf import AND, LITERAL, Nnf, nodes_under
+from plogic.logic.grounding.ground_program import Literal
 from plogic.logic.grounding.load import Request, line_of
 from plogic.logic.safety.check import heads
 from plogic.logic.safety.mapping import shown
-
-if TYPE_CHECKING:
-    from collections.abc import Callable, Iterator
-
-    from plogic.logic.grounding.ground_program import Literal
 
 State = tuple[bool, ...]
 """Whether each of a factor's query atoms holds."""

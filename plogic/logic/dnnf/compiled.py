@@ -8,8 +8,6 @@ refuses evidence below 1e-12: there our numbers are those that the text means. D
 evidence, plain floats: below 1e-308 they are 0.
 """
 
-from __future__ import annotations
-
 from collections.abc import Container, Iterable, Sequence
 from dataclasses import dataclass
 

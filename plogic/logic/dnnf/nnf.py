@@ -8,8 +8,6 @@ Clauses are compiled by ProbLog's dsharp, several components to a run, and by Py
 compiler.
 """
 
-from __future__ import annotations
-
 import math
 import os
 from collections.abc import Iterable

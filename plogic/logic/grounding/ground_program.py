@@ -8,8 +8,6 @@ ProbLog grounds; from here on nothing of ProbLog is needed. Vocabulary:
   ``rest``
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable, Hashable, Iterable
 from dataclasses import dataclass

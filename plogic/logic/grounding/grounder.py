@@ -8,8 +8,6 @@ and more on the programs of scenes. The ``Formula`` grows: gates over choices, s
 acyclic, since children come first.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Hashable, Iterator
 from dataclasses import dataclass, field
 from typing import Any

@@ -4,8 +4,6 @@ A small term is an atom (text), a variable (an int, its number in the clause), a
 ``(functor, *arguments)``.
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
 from typing import Any
@@ -154,11 +152,11 @@ class Reader:
             )
             self.predicates.setdefault((functor, len(head.args)), Predicate()).add(rule)
 
-    def goals(self, body: Any, variables: Variables) -> tuple[Goal, ...]:  # noqa: ANN401
+    def goals(self, body: Any, variables: "Variables") -> tuple[Goal, ...]:  # noqa: ANN401
         """A body as a sequence of goals."""
         return tuple(self._goals(body, variables))
 
-    def _goals(self, body: Any, variables: Variables) -> Iterator[Goal]:  # noqa: ANN401
+    def _goals(self, body: Any, variables: "Variables") -> Iterator[Goal]:  # noqa: ANN401
         while isinstance(body, And):
             yield from self._goals(body.args[0], variables)
             body = body.args[1]
@@ -174,7 +172,7 @@ class Reader:
         else:
             raise UnsupportedError
 
-    def _call(self, body: Any, variables: Variables) -> Iterator[Goal]:  # noqa: ANN401
+    def _call(self, body: Any, variables: "Variables") -> Iterator[Goal]:  # noqa: ANN401
         functor = self.spelled(body.functor)
         arguments = tuple(self.small(argument, variables) for argument in body.args)
         bare = functor.strip("'")
@@ -190,7 +188,7 @@ class Reader:
                 not any(isinstance(a, tuple) and not is_ground(a) for a in arguments),
             )
 
-    def small(self, term: Any, variables: Variables) -> Small:  # noqa: ANN401
+    def small(self, term: Any, variables: "Variables") -> Small:  # noqa: ANN401
         """A term of ProbLog's as a small one."""
         if isinstance(term, Var):
             return variables.number(term.name)

@@ -4,8 +4,6 @@ Plain programs are grounded by ``grounder``; what it does not know, and every pr
 engine behind the allow-list. Both give the same probabilities; ProbLog's engine also tells what is wrong.
 """
 
-from __future__ import annotations
-
 import contextlib
 from collections.abc import Sequence
 from dataclasses import dataclass, replace

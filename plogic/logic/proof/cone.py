@@ -9,19 +9,13 @@ program, children before parents. Vocabulary (§8):
 * an *implicant* of a literal is an ``Allowed`` in all of whose worlds the literal is true
 """
 
-from __future__ import annotations
-
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 from functools import cached_property
-from typing import TYPE_CHECKING
 
 from plogic.base.walk import reached
 from plogic.logic.grounding.ground_program import SLACK, Gate, Ground, Literal
-
-if TYPE_CHECKING:
-    from collections.abc import Mapping
-
-    from plogic.logic.proof.terms import Small
+from plogic.logic.proof.terms import Small
 
 NONE_TAKEN = -1
 

@@ -9,13 +9,12 @@ contradict the evidence have probability 0 and go at once. (An implicit hitting 
 1987.)
 """
 
-from __future__ import annotations
-
 import heapq
 import math
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field
 from itertools import islice
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from plogic.logic.proof.cone import (
     Allowed,
@@ -34,11 +33,7 @@ from plogic.logic.proof.plain_trees import failure_data, miss_data, missed, tree
 from plogic.logic.proof.proof_trees import Trees, Truth
 from plogic.logic.proof.relevant_evidence import Numbers, numbers_of, prior
 from plogic.logic.proof.terms import Small, resolved, text
-
-if TYPE_CHECKING:
-    from collections.abc import Callable, Iterator
-
-    from plogic.logic.safety.atoms import Names
+from plogic.logic.safety.atoms import Names
 
 Entry = tuple[float, int, tuple[tuple[tuple[int, str], int], ...], float, Selection]
 

@@ -3,11 +3,10 @@
 Proofs are trees (``Tree``), and choices are shown as goals that can be read (``choice_literal``).
 """
 
-from __future__ import annotations
-
 from bisect import bisect_right
+from collections.abc import Iterable
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from problog.errors import ProbLogError
 from problog.formula import LogicFormula
@@ -17,6 +16,7 @@ from plogic.base.errors import ProgramError
 from plogic.base.walk import reached
 from plogic.logic.grounding.ground_program import share_of
 from plogic.logic.proof.cone import NONE_TAKEN, Choice
+from plogic.logic.proof.rewrite import Rule, Rules
 from plogic.logic.proof.terms import (
     Bindings,
     Ref,
@@ -30,11 +30,6 @@ from plogic.logic.proof.terms import (
     small,
     unify,
 )
-
-if TYPE_CHECKING:
-    from collections.abc import Iterable
-
-    from plogic.logic.proof.rewrite import Rule, Rules
 
 Key = int | None
 """A node of the formula: 0 is true, None is false, a negative number is a negation."""
@@ -166,7 +161,7 @@ class Tree:
 
     goal: Small
     kind: str
-    children: tuple[Tree, ...] = ()
+    children: "tuple[Tree, ...]" = ()
 
 
 def choice_literal(ground: Grounding, choice: Choice, taken: int) -> Small:

@@ -6,23 +6,18 @@ before it bind its variables; when the program is compiled and P(condition | evi
 candidates.
 """
 
-from __future__ import annotations
-
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field, replace
 from math import prod
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from plogic.logic.grounding.ground_program import negated
+from plogic.logic.proof.cone import Steps
 from plogic.logic.proof.ground_proofs import Grounding, Key, Tree, body_goal
 from plogic.logic.proof.relevant_evidence import numbers_of
+from plogic.logic.proof.rewrite import Literal, Rule
 from plogic.logic.proof.terms import LETTERS, Bindings, Small, fresh, is_ground, refs, resolved, signature, text, unify
-
-if TYPE_CHECKING:
-    from collections.abc import Callable, Iterator
-
-    from plogic.logic.proof.cone import Steps
-    from plogic.logic.proof.rewrite import Literal, Rule
-    from plogic.logic.safety.atoms import Names
+from plogic.logic.safety.atoms import Names
 
 DEEPEST = 4
 INSTANCES = 40
@@ -42,7 +37,7 @@ class Condition:
     key: Key
     is_negated: bool = False
     is_open: bool = False
-    below: list[Candidate] = field(default_factory=list)
+    below: "list[Candidate]" = field(default_factory=list)
 
 
 @dataclass

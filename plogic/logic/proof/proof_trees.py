@@ -6,20 +6,15 @@ possible nodes are two least fixpoints that bound each other (the alternating fi
 Van Gelder 1989), with the open choices taken as false in one and as true in the other.
 """
 
-from __future__ import annotations
-
+from collections.abc import Iterator
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from plogic.base.walk import reached
 from plogic.logic.proof.cone import NONE_TAKEN, Choice, Selection
 from plogic.logic.proof.ground_proofs import Grounding, Key, Tree, bound_values, choice_literal, joined
+from plogic.logic.proof.rewrite import Literal, Rule
 from plogic.logic.proof.terms import Bindings, Small, canonical, is_ground, resolved, unify
-
-if TYPE_CHECKING:
-    from collections.abc import Iterator
-
-    from plogic.logic.proof.rewrite import Literal, Rule
 
 
 @dataclass

@@ -1,11 +1,10 @@
 """Numbers for proofs: the part of the evidence that matters, compiled with the goals, and P(choices | evidence) from the circuit."""
 
-from __future__ import annotations
-
 import math
 from collections import Counter, defaultdict
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from problog.cycles import _break_cycles
 from problog.formula import LogicDAG
@@ -16,11 +15,7 @@ from plogic.logic.dnnf.compiled import IMPOSSIBLE, Compiled, compiled
 from plogic.logic.grounding.ground_program import Choice as Share
 from plogic.logic.grounding.ground_program import Gate, Ground, Literal, gate_of, ground_from, share_of
 from plogic.logic.proof.cone import Choice, Cone, Selection, Steps
-
-if TYPE_CHECKING:
-    from collections.abc import Mapping, Sequence
-
-    from plogic.logic.proof.ground_proofs import Grounding, Key
+from plogic.logic.proof.ground_proofs import Grounding, Key
 
 COLUMNS = 256
 """Evaluations that the circuit does at once."""

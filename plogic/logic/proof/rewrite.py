@@ -10,8 +10,6 @@ meaning is the same. Vocabulary:
 * ``Rules``, all of them, by the signature of a head
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
 from typing import Any

@@ -4,18 +4,13 @@ A term is a number, a ``Ref`` (a variable), or a tuple ``(functor, *arguments)``
 present(h1).
 """
 
-from __future__ import annotations
-
-from typing import TYPE_CHECKING, Any
+from collections.abc import Iterator, Mapping
+from typing import Any
 
 from problog.logic import And, Constant, Not, Or, Term, Var
 
+from plogic.logic.safety.atoms import Names
 from plogic.logic.safety.mapping import shown
-
-if TYPE_CHECKING:
-    from collections.abc import Iterator, Mapping
-
-    from plogic.logic.safety.atoms import Names
 
 Small = Any
 """float | int | Ref | tuple[str | Small, ...]"""

@@ -8,8 +8,6 @@ database decides which file it opens: ``engine.SafeDB``), or none, and then it i
     are goals.
 """
 
-from __future__ import annotations
-
 TRUSTED = (
     "--trust: the program may run Python, read and write files and load other programs and modules, with your rights;"
     " only the limits of time and memory still hold"

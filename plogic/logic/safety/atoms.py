@@ -9,8 +9,6 @@ Vocabulary: a *label* is the user's word, ``"roof/apex"``; an *atom* is the prog
 to put one on one line. It is no parser: the meaning of a goal is for ProbLog's parser to say.
 """
 
-from __future__ import annotations
-
 import re
 from dataclasses import dataclass
 
@@ -32,7 +30,7 @@ class Names:
     labels: dict[str, str]
 
     @classmethod
-    def of(cls, atoms: dict[str, str]) -> Names:
+    def of(cls, atoms: dict[str, str]) -> "Names":
         """The table of these atoms by their labels."""
         return cls(atoms, {atom: label for label, atom in atoms.items()})
 

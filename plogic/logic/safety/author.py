@@ -4,15 +4,11 @@
 box')")`` → ``{"H": "h1", "T": "big box"}``.
 """
 
-from __future__ import annotations
-
 import warnings
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from plogic.base.errors import ProgramError
-
-if TYPE_CHECKING:
-    from plogic.logic.safety.atoms import Names
+from plogic.logic.safety.atoms import Names
 
 FILE = "rules.pl"
 

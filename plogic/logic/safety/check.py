@@ -5,10 +5,9 @@ findall/3 and the like. It says all that is wrong at once. What a program builds
 call(X)``) is for the second layer (``engine``).
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 from dataclasses import dataclass, field
+from functools import lru_cache
 from typing import Any
 
 from problog.engine import DefaultEngine
@@ -30,6 +29,8 @@ from plogic.logic.safety.allowlist import (
 
 LONGEST_TEXT = 20_000_000
 """Characters that a program may have."""
+REMEMBERED_TEXT = 50_000
+"""Characters of a text up to which it is remembered: its terms take some hundred times as many bytes."""
 
 
 @dataclass(frozen=True)
@@ -61,6 +62,10 @@ def parse(text: str, file: str = "program", identifier: int = 0) -> Source:
     """
     if len(text) > LONGEST_TEXT:
         raise ProgramError(f"longer than {LONGEST_TEXT} characters", file=file)
+    return (_remembered if len(text) <= REMEMBERED_TEXT else _parsed)(text, file, identifier)
+
+
+def _parsed(text: str, file: str, identifier: int) -> Source:
     try:
         program = PrologString(text, identifier=identifier)
         return Source(text, file, tuple(program), program)
@@ -70,6 +75,10 @@ def parse(text: str, file: str = "program", identifier: int = 0) -> Source:
         raise ProgramError("nested too deeply", file=file) from None
     except Exception as error:  # noqa: BLE001 - the parser raises what its actions raise (a cut, a bad number)
         raise ProgramError(f"cannot be read as ProbLog ({error})", file=file) from None
+
+
+_remembered = lru_cache(maxsize=16)(_parsed)
+"""A session asks one program many questions, and each request carries its text: a source is frozen, and is read once."""
 
 
 def check_source(

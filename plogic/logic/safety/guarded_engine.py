@@ -11,8 +11,6 @@ are written: an edge leads from a clause's head to each goal of its body, and th
 to its head is the cycle.
 """
 
-from __future__ import annotations
-
 import os
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, field
@@ -73,7 +71,7 @@ class SafeDB(ClauseDB):  # type: ignore[misc]
         self.refusals: _Refusals = _Refusals() if parent is None else parent.refusals
         super().__init__(builtins=builtins, parent=parent)
 
-    def extend(self) -> SafeDB:
+    def extend(self) -> "SafeDB":
         """As ClauseDB's (findall/3 works on such an extension), but safe like its parent."""
         return SafeDB(parent=self, builtins=self._ClauseDB__builtins)
 

@@ -4,8 +4,6 @@
 ``case(H, F, 'A')`` → ``case(H, F, a)``.
 """
 
-from __future__ import annotations
-
 from typing import Any
 
 from problog.logic import AggTerm, And, AnnotatedDisjunction, Clause, Constant, Not, Or, Term, Var

@@ -10,25 +10,20 @@ Making the text and running it are two functions; this one runs it. Vocabulary:
 * ``program_worlds``, the ranked possible worlds of any program (``plogic.logic.answers.state_ranking`` answers)
 """
 
-from __future__ import annotations
-
 import contextlib
 import contextvars
 import json
 import math
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 from time import monotonic
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from plogic.base import errors
 from plogic.base.children import Child, ending_well, heard, python
 from plogic.base.errors import LimitError
-
-if TYPE_CHECKING:
-    from collections.abc import Callable, Iterable, Iterator, Sequence
-
-    from plogic.logic.safety.atoms import Names
+from plogic.logic.safety.atoms import Names
 
 
 @dataclass(frozen=True)

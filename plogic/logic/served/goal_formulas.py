@@ -5,23 +5,18 @@ formulas. A node is ``["and", [keys]]``, ``["or", [keys]]`` or a choice, ``["pre
 arguments' labels.
 """
 
-from __future__ import annotations
-
-from typing import TYPE_CHECKING, Any
+from collections.abc import Iterable, Iterator
+from typing import Any
 
 from problog.errors import ProbLogError
 from problog.logic import AnnotatedDisjunction, Clause, Term
 
 from plogic.logic.answers.answer import grouped
+from plogic.logic.grounding.ground_program import Alternative, Ground
 from plogic.logic.grounding.indexed_clauses import UnsupportedError
 from plogic.logic.grounding.load import Request, by_problog, quickly, request_from, variables
+from plogic.logic.safety.atoms import Names
 from plogic.logic.safety.guarded_engine import told
-
-if TYPE_CHECKING:
-    from collections.abc import Iterable, Iterator
-
-    from plogic.logic.grounding.ground_program import Alternative, Ground
-    from plogic.logic.safety.atoms import Names
 
 ALLOWED = ("present", "chosen")
 """The choices that a formula may be over."""

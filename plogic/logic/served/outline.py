@@ -4,8 +4,6 @@ Vocabulary: ``Predicate("wet", 0, "wet", "", ("wet :- rain.",))``; ``Outline((Pr
 "back"))``.
 """
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any

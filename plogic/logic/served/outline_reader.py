@@ -1,7 +1,5 @@
 """Reads a program's outline, in the session's process: held to the allow-list, never run."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 from typing import Any
 

@@ -5,19 +5,15 @@ that (``anytime``). Started by ``plogic.logic.served.engine``, for one request o
 imported once; its limits are set before anything of a request is looked at.
 """
 
-from __future__ import annotations
-
 import json
 import os
 import sys
-from typing import TYPE_CHECKING, Any
+from collections.abc import Callable
+from typing import Any
 
 from plogic.base.children import begin
 
-if TYPE_CHECKING:
-    from collections.abc import Callable
-
-    Tell = Callable[[dict[str, Any]], None]
+Tell = Callable[[dict[str, Any]], None]
 
 
 def main() -> None:

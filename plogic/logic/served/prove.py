@@ -3,8 +3,6 @@
 Where a goal names a predicate or a constant that the program does not know, the closest known ones are told.
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 from difflib import get_close_matches
 from typing import Any

@@ -19,7 +19,7 @@ def wrapped(angle: Floats) -> Floats:
 
 
 def screen_angle(direction: Floats, at: Floats) -> Floats:
-    """Angle on the screen, radians clockwise from +x, of a direction (…, 3) in space at a place (…, 3), both in the camera's frame."""
+    """Angle on the screen, radians clockwise from +x, of a direction (…, 3) at a place (…, 3), camera frame."""
     du = direction[..., 0] * at[..., 2] - at[..., 0] * direction[..., 2]
     return np.asarray(np.arctan2(direction[..., 1] * at[..., 2] - at[..., 1] * direction[..., 2], du))
 
@@ -54,7 +54,9 @@ class Grid:
     shape: tuple[int, int, int]
 
     def near(self, uv: Floats, reach: Floats | float, angle: Floats | None = None) -> tuple[Indices, Indices]:
-        """Places and data of all pairs at most ``reach`` pixels apart, and of some farther, place by place: uv (Q, 2) pixels, in or about the image.
+        """Places and data of all pairs at most ``reach`` pixels apart, and of some farther, place by place.
+
+        Uv (Q, 2) pixels, in or about the image.
 
         ``reach``: one, or (Q,) each place's own. ``angle`` (Q,) radians: only what faces within a part of the circle,
         and some farther.
@@ -79,7 +81,7 @@ class Grid:
         return place[which], self.datum[at]
 
     def facing(self, angle: Floats) -> tuple[Indices, Indices]:
-        """Numbers and data of all pairs, anywhere in the image, that are within a part of the circle, and of some farther: angle (Q,) radians."""
+        """Numbers and data of all pairs within a part of the circle, and of some farther: angle (Q,) radians."""
         cells = self.shape[1] * self.shape[2]
         parts = _beside(angle)
         number, at = taken(self.starts[parts * cells], self.starts[(parts + 1) * cells])

@@ -165,7 +165,10 @@ def linked_pairs(
 
 
 def _scales(image: Floats, cloud: Floats, *, each: bool = False) -> NDArray[np.float32]:
-    """Pixels a metre of lengths in the image (D,) by those of the cloud (M,): of all (M, D), or of ``each`` two (D,)."""
+    """Pixels a metre of lengths in the image (D,) by those of the cloud (M,).
+
+    Of all (M, D), or of ``each`` two (D,).
+    """
     cloud = np.maximum(cloud, 1e-9)
     return np.asarray((image / cloud if each else image[None] / cloud[:, None]).astype(np.float32))
 
@@ -205,7 +208,10 @@ def _words(angles: Floats) -> NDArray[np.uint64]:
 
 
 def places_of(pairs: Pairs, cells: ViewCells, data: Data, features: Indices | slice = ALL) -> NDArray[np.float32]:
-    """(N, F, 2) ideal pixels where each coarse pose puts each of ``features``: the cell's picture, turned, scaled and laid on the first datum."""
+    """(N, F, 2) ideal pixels where each coarse pose puts each of ``features``.
+
+    The cell's picture, turned, scaled and laid on the first datum.
+    """
     at = cells.xy[pairs.cell, pairs.feature].astype(np.float32)[:, None]
     model = cells.xy.astype(np.float32)[:, features][pairs.cell] - at
     cos = (pairs.scale * np.cos(pairs.roll)).astype(np.float32)[:, None]
@@ -225,7 +231,7 @@ def votes(
     data: Data,
     features: Indices | slice = ALL,
 ) -> Floats:
-    """(N,) Σ weight of the visible ones of ``features``, each by how near its nearest datum is, in units of their whole weight."""
+    """(N,) Σ weight of the visible ``features``, each by how near its nearest datum is, over their whole weight."""
     value = (cells.visible * weights).astype(np.float32)[:, features]
     distance = maps.seen_at(places_of(pairs, cells, data, features), features)[0].astype(np.float32)
     near = np.maximum(0.0, 1.0 - distance / (LOOSE * cells.diameter * pairs.scale).astype(np.float32)[:, None])
@@ -247,7 +253,9 @@ def open_pairs(
     scales: tuple[float, float],
     check: Callable[[], None] = unhurried,
 ) -> Pairs:
-    """Pairs of anchors and data that a cell allows within the range of ``scales``: at most ``MOST_PAIRS``, the best by the anchors' votes.
+    """Pairs of anchors and data that a cell allows within the range of ``scales``.
+
+    At most ``MOST_PAIRS``, the best by the anchors' votes.
 
     ``check`` is called between cells, and blocks of their data, and may raise to end it.
     """

@@ -1,4 +1,7 @@
-"""From coarse pairs to refined poses: sets of four, POSIT, then least squares on all inliers (§6.1, §6.3), batched over all candidates."""
+"""From coarse pairs to refined poses.
+
+Sets of four, POSIT, then least squares on all inliers (§6.1, §6.3), batched over all candidates.
+"""
 
 from dataclasses import dataclass
 
@@ -45,14 +48,17 @@ class Candidates(Columns):
 
 @dataclass(frozen=True)
 class _Shown(Columns):
-    """Of N poses, ``places`` (N, F, 2) of the features, ideal pixels, and which are ``visible`` (N, F) from the nearest cell."""
+    """Of N poses, ``places`` (N, F, 2) of the features, ideal px, and the nearest cell's ``visible`` ones (N, F)."""
 
     places: NDArray[np.float32]
     visible: Mask
 
 
 def coarse_poses(pairs: Pairs, cells: ViewCells, data: Data) -> Floats:
-    """(N, 4, 4) camera_from_object of coarse pairs: the cell's rotation and roll, about the ray through the object's centre."""
+    """(N, 4, 4) camera_from_object of coarse pairs.
+
+    The cell's rotation and roll, about the ray through the object's centre.
+    """
     local = -cells.xy[pairs.cell, pairs.feature]
     cos, sin = np.cos(pairs.roll), np.sin(pairs.roll)
     turned = np.stack([cos * local[:, 0] - sin * local[:, 1], sin * local[:, 0] + cos * local[:, 1]], axis=1)
@@ -68,7 +74,9 @@ def poses_about(
     middle: Floats,
     data: Data,
 ) -> Floats:
-    """(N, 4, 4) camera_from_object of cells (N, 3, 3) turned by ``roll`` (N,) rad about the rays through ``centre`` (N, 2) ideal pixels.
+    """(N, 4, 4) camera_from_object of cells (N, 3, 3) turned by ``roll`` (N,) rad about the rays through ``centre``.
+
+    ``centre`` (N, 2) ideal pixels.
 
     There lies each object's ``middle``, (N, 3) or (3,) in its own frame, where a metre is ``scale`` (N,) pixels.
     """  # fmt: skip
@@ -213,7 +221,7 @@ def _from_quadruples(
 
 
 def _sets_of_four(points: Floats, weights: Floats, matches: Indices) -> Indices:
-    """(N, 4) feature indices, highest dv first, each next one the farthest from those before among the most distinctive matched ones."""
+    """(N, 4) feature indices, highest dv first, each next the farthest among the most distinctive matched ones."""
     value = np.where(matches >= 0, weights[None], -1.0)
     four = np.empty((len(matches), 4), dtype=np.intp)
     four[:, 0] = value.argmax(axis=1)
@@ -248,5 +256,8 @@ def _refined(poses: Floats, points: Floats, matches: Indices, data: Data) -> Flo
 
 
 def firsts(used: Mask) -> Indices:
-    """(N, M) in each row of (N, F) the ``used`` columns, in order, and then others, as many as the fullest row has: what is missing costs time."""
+    """(N, M) in each row of (N, F) the ``used`` columns, in order, and then others, as many as the fullest row has.
+
+    What is missing costs time.
+    """
     return np.argsort(~used, axis=1, kind="stable")[:, : int(used.sum(axis=1).max(initial=0))]

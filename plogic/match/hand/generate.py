@@ -1,4 +1,7 @@
-"""Hypotheses of a type from Γ (§6.3, §7): pairs in view cells, votes, sets of four, POSIT, refinement, and only then rays."""
+"""Hypotheses of a type from Γ (§6.3, §7).
+
+Pairs in view cells, votes, sets of four, POSIT, refinement, and only then rays.
+"""
 
 from __future__ import annotations
 

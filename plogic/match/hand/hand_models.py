@@ -48,7 +48,10 @@ def permutations(points: Floats, symmetries: Floats) -> Indices:
 
 
 def unique_sets(rows: Indices, moves: Indices) -> Mask:
-    """(N,) one of each family of rows (N, k) of feature indices that the permutations (S, F) carry onto each other: the least."""
+    """(N,) one of each family of rows (N, k) of feature indices that the permutations (S, F) carry onto each other.
+
+    The least.
+    """
     if not len(rows):
         return np.zeros(0, dtype=bool)
     base = moves.shape[1] ** np.arange(rows.shape[1])[::-1]
@@ -106,7 +109,9 @@ class TypeIndex:
 
     @cached_property
     def in_line(self) -> tuple[Indices, Floats, tuple[str, ...]] | None:
-        """Where each feature has one appearance type: (1 + C, F) the how many-th of its type it is in each neighbourhood, the heaviest the first.
+        """Where each feature has one appearance type.
+
+        (1 + C, F) the how many-th of its type it is in each neighbourhood, the heaviest the first.
 
         Then (1 + C,) what each neighbourhood weighs, and (F,) the types' names; None where a feature looks like several
         types, or none.
@@ -125,7 +130,10 @@ class TypeIndex:
         )
 
     def ranks(self, here: Counter[str], by_chance: Counter[str]) -> Ranks:
-        """The ranks among so many data of each type: where each feature has one appearance type counting finds the best θ, else it is a matching."""
+        """The ranks among so many data of each type.
+
+        Where each feature has one appearance type counting finds the best θ, else it is a matching.
+        """
         if self.in_line is not None:
             counted, chance = self._counted(here), self._counted(by_chance, neighbourhoods=1)
             return Ranks(float(counted[0]), float(chance[0]), float(counted[1:].max(initial=0.0)))
@@ -135,7 +143,10 @@ class TypeIndex:
         return Ranks(rank(self.weights, allowed), rank(self.weights, usual), max(some, default=0.0))
 
     def _counted(self, there: Counter[str], neighbourhoods: int | None = None) -> Floats:
-        """The rank within each of the first ``neighbourhoods`` where each feature has one appearance type: of a type the heaviest that are there."""
+        """The rank within each of the first ``neighbourhoods`` where each feature has one appearance type.
+
+        Of a type the heaviest that are there.
+        """
         assert self.in_line is not None  # noqa: S101 - the caller looks
         number, whole, names = self.in_line
         number, whole, shown = number[:neighbourhoods], whole[:neighbourhoods], self.neighbourhoods[:neighbourhoods]
@@ -155,7 +166,10 @@ class TypeIndex:
         hidden: Mask | None = None,
         rounds: int = 2,
     ) -> Hypothesis:
-        """The type at a pose, or one that is matched there already: matched (D7, D8), refined on places, and matched again."""
+        """The type at a pose, or one that is matched there already.
+
+        Matched (D7, D8), refined on places, and matched again.
+        """
         allowed, rates = self.allowed(data), kb.rates
         return settled(
             pose,
@@ -213,7 +227,7 @@ def type_index(
 
 
 def _anchors(weights: Floats) -> Indices:
-    """The features at least half as distinctive as the best, or the ``ANCHORS`` most distinctive where those are fewer than four."""
+    """The features at least half as distinctive as the best, or the ``ANCHORS`` best where those are below four."""
     order = np.argsort(-weights, kind="stable")[:ANCHORS]
     top = order[weights[order] >= 0.5 * weights.max()]
     return np.sort(top if len(top) >= 4 else order)

@@ -1,4 +1,4 @@
-"""Triples: three neighbours on one plane fix a pose up to a reflection, from any single wall that shows a few windows (§6.3).
+"""Triples: three neighbours on one plane fix a pose up to a reflection, as on a wall with a few windows (§6.3).
 
 Features without edges (patches) give no links. Of three that lie side by side on a plane, and of three appearances side
 by side in the image, weak perspective about the ray of the first gives two poses in closed form: with A the affine map
@@ -45,7 +45,7 @@ class PlaneTriples(Columns):
 
 
 def plane_triples(features: Sequence[Feature]) -> PlaneTriples:
-    """Right-angled triples of neighbouring features without edges, whose lobes look the same way and lie in one plane."""
+    """Right-angled triples of neighbouring features without edges, in one plane, whose lobes look the same way."""
     plain = [f for f, feature in enumerate(features) if not len(feature.arms) and feature.appearances]
     at = np.array([feature.at for feature in features]).reshape(-1, 3)
     normals = {f: features[f].rotation @ features[f].appearances[0].lobe.axis for f in plain}
@@ -72,7 +72,7 @@ def _gap(at: Floats, f: int, g: int) -> float:
 def _right_angled(
     at: Floats, normal: Floats, f: int, g: int, h: int
 ) -> list[tuple[tuple[int, int, int], Floats, Floats]]:
-    """The triple (f, g, h), counter-clockwise about the normal, where its angle at f is wide and no side is over twice the other."""
+    """The triple (f, g, h), counter-clockwise about the normal, with a wide angle at f and sides of like length."""
     u, v = at[g] - at[f], at[h] - at[f]
     a, b = np.linalg.norm(u), np.linalg.norm(v)
     if abs(u @ v) > WIDE * a * b or max(a, b) > 2.5 * min(a, b):
@@ -179,7 +179,9 @@ def turn_z_to(ray: Floats) -> Floats:
 def triple_poses(
     plane: PlaneTriples, image: ImageTriples, points: Floats, scales: tuple[float, float], focal: float
 ) -> Floats:
-    """(P, 4, 4) camera_from_object: both reflections of every triple of the cloud on every triple of Γ that is no steeper than ``FLATTEST``.
+    """(P, 4, 4) camera_from_object.
+
+    Both reflections of every triple of the cloud on every triple of Γ that is no steeper than ``FLATTEST``.
 
     ``points`` (F, 3) m; ``scales`` the range of pixels a metre; ``focal`` pixels.
     """

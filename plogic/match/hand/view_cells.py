@@ -66,7 +66,7 @@ def fibonacci_sphere(number: int) -> Floats:
 
 
 def looking_back(directions: Floats) -> Floats:
-    """Rotations (C, 3, 3) from the object's frame to cameras at ``directions`` that look at the centre, object's z up on the screen."""
+    """Rotations (C, 3, 3) of cameras at ``directions`` that look at the centre, object's z up on the screen."""
     forward = -directions
     up = np.where(np.abs(directions[:, 2:3]) > 0.999, [[0.0, 1.0, 0.0]], [[0.0, 0.0, 1.0]])
     right = np.cross(forward, up)
@@ -169,7 +169,7 @@ class DistanceMaps:
         return distance, np.asarray(inside & self.covered.ravel()[pixel]) if self.anything else np.zeros_like(inside)
 
     def is_covered(self, places: NDArray[Any]) -> Mask:
-        """Whether an accepted object stands at each place (..., 2) of the image, so that a feature may not be seen there."""
+        """Whether an accepted object stands at each place (..., 2) of the image and may hide a feature there."""
         return covered_at(self.covered, places) if self.anything else np.zeros(places.shape[:-1], bool)
 
     @cached_property

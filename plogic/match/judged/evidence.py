@@ -44,7 +44,7 @@ radians."""
 
 
 def log_share(at: Floats, precision: Floats, centre: Floats, camera: Camera, across: Floats | None = None) -> float:
-    """The share of all poses, even in the image, in the logarithm of depth and in rotation, that fit matched places as well as theirs.
+    """The share of all poses, even in image, log depth and rotation, that fit matched places as well as theirs.
 
     ``at`` (N, 3) metres, camera frame; ``precision`` (N,) 1/pixel²; ``centre`` (3,) of the object, before the camera;
     ``across`` (N, 2) unit vectors across the edges that sides lie anywhere along, NaN of others.
@@ -107,7 +107,10 @@ def sigmas_of(kind: ObjectType, rates: Rates) -> Floats:
 
 
 def pose_information(posed: Hypothesis, camera: Camera, kb: KnowledgeBase) -> Floats:
-    """(6, 6) of turning about the middle, rad, and moving, m: of the matches, and of what is known of any pose (``known``)."""
+    """(6, 6) of turning about the middle, rad, and moving, m.
+
+    Of the matches, and of what is known of any pose (``known``).
+    """
     used = np.flatnonzero(posed.candidate & posed.detected)
     precision = posed.counted[used] / sigmas(posed, kb)[used] ** 2
     across = None if posed.across is None else posed.across[used]
@@ -123,7 +126,10 @@ def density(residual: Floats, sigma: Floats | float) -> Floats:
 
 
 def clutter_density(kb: KnowledgeBase, data: Data, which: Indices | None = None) -> Floats:
-    """F (N,) per pixel² of some data, or of all: the expected number of clutter appearances of its type over the image's area."""
+    """F (N,) per pixel² of some data, or of all.
+
+    The expected number of clutter appearances of its type over the image's area.
+    """
     area = float(data.camera.width * data.camera.height)
     types = data.types if which is None else [data.types[i] for i in which]
     return np.array([kb.rates.clutter.get(name, 1.0) / area for name in types])
@@ -169,7 +175,10 @@ def clarity(posed: Hypothesis, hidden: Mask | None = None, of: Mask | None = Non
 
 
 def kinds(posed: Hypothesis) -> list[Mask]:
-    """Features (F,) that are seen clearly or not apart from the others: what is printed, and the sides of edges, which blur hurts less."""
+    """Features (F,) that are seen clearly or not apart from the others.
+
+    What is printed, and the sides of edges, which blur hurts less.
+    """
     sided = np.zeros(len(posed.uv), bool) if posed.sided is None else posed.sided
     return [~sided, sided]
 
@@ -180,7 +189,9 @@ def clarities(posed: Hypothesis, hidden: Mask | None = None) -> Floats:
 
 
 def as_counted(posed: Hypothesis, data: Data, kb: KnowledgeBase, hidden: Mask | None = None) -> tuple[Floats, Floats]:
-    """Hit rates (F,) and densities (F,) of features that each say as much as they are ``counted``: what the program is told.
+    """Hit rates (F,) and densities (F,) of features that each say as much as they are ``counted``.
+
+    What the program is told.
 
     With a share w of an observation, 1 − h becomes (1 − h)^w, and what a match says, (h·N + f − h·f) / f, that to the
     power of w.
@@ -215,7 +226,7 @@ class Evidence:
 
 
 def evidence(posed: Hypothesis, data: Data, kb: KnowledgeBase, hidden: Mask | None = None) -> Evidence:
-    """Σ over E∧D of ln((h·N + f − h·f) / f), in densities, plus Σ over E∧¬D of ln(1 − h) (§8), each as much as it is ``counted``.
+    """Σ over E∧D of ln((h·N + f − h·f) / f), in densities, plus Σ over E∧¬D of ln(1 − h) (§8), as ``counted``.
 
     ``hidden`` (F,) are the features that accepted opaque objects hide: not expected.
     """
@@ -235,7 +246,9 @@ def evidence(posed: Hypothesis, data: Data, kb: KnowledgeBase, hidden: Mask | No
 
 
 def as_fitted(posed: Hypothesis, data: Data, kb: KnowledgeBase, hidden: Mask | None = None) -> tuple[Floats, Floats]:
-    """Hit rates (F,) and densities (F,) per pixel²: of expected matches such that Π (h·N + f − h·f) / f is that at the best pose times the share.
+    """Hit rates (F,) and densities (F,) per pixel².
+
+    Of expected matches such that Π (h·N + f − h·f) / f is that at the best pose times the share.
 
     Each match gives up in proportion to how much better it is than a miss, ln(1 + h·N / (f − h·f)); where that is less
     in all than the pose owes, the matches count as misses. ``hidden`` (F,) are the features that accepted opaque
@@ -291,7 +304,10 @@ def verified(
 def judged(
     posed: Hypothesis, data: Data, kb: KnowledgeBase, dv: Mapping[str, float], hidden: Mask | None = None
 ) -> Hypothesis:
-    """The hypothesis with its evidence, and its ev alone and beside the accepted opaque objects that hide the features ``hidden`` (F,)."""
+    """The hypothesis with its evidence, and its ev alone and beside the accepted opaque objects before it.
+
+    They hide the features ``hidden`` (F,).
+    """
     found = evidence(posed, data, kb, hidden)
     ev = explanatory_value(posed.support(), dv)
     again = ev if hidden is None else explanatory_value(posed.support(hidden), dv)

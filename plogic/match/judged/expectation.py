@@ -1,4 +1,6 @@
-"""Expected and Detected of one posed hypothesis (D7, D8), and how its pose settles: match, refine on what was matched, match again (§7).
+"""Expected and Detected of one posed hypothesis (D7, D8), and how its pose settles.
+
+Match, refine on what was matched, match again (§7).
 
 Where appearances carry depth (a stereo pair is one notional viewpoint, §3.3), depths fix poses. They do not decide what
 is matched: some are wrong, where a feature was missed in one image and another that looks like it in the other.
@@ -47,7 +49,7 @@ def pose_of(object_type: ObjectType, camera_from_object: Floats, data: Data, kb:
 
 
 def _behind(at: Floats, surface: Surface, camera_from_object: Floats) -> Mask:
-    """(N,) whether a posed surface is met before places (N, 3) m, camera frame, as far as its own features need (§3.4)."""
+    """(N,) whether a posed surface is met before places (N, 3) m, camera frame (§3.4), for its own features."""
     return behind(at, surface.rays, camera_from_object, 0.004 * surface.diameter)
 
 
@@ -118,7 +120,10 @@ def assigned(
 
 
 def _assign(matches: Indices, off: Floats, possible: Mask, tolerance: float) -> None:
-    """Fill ``matches`` with the assignment of greatest Σ (1 − d²/2·tolerance²): as many as can be, the nearer the better."""
+    """Fill ``matches`` with the assignment of greatest Σ (1 − d²/2·tolerance²).
+
+    As many as can be, the nearer the better.
+    """
     rows, columns = np.flatnonzero(possible.any(axis=1)), np.flatnonzero(possible.any(axis=0))
     if not len(rows):
         return
@@ -150,7 +155,9 @@ BASELINE = 1000.0
 
 
 def with_depths(pose: Floats, seen: Sight, datum: Indices, data: Data, *, sigma: float, huber: float) -> Floats:
-    """The pose (4, 4), camera_from_object, that fits what is ``seen`` of it and the depths of ``datum`` (N,), matched with its first N points.
+    """The pose (4, 4), camera_from_object, that fits what is ``seen`` of it and the depths of ``datum`` (N,).
+
+    The data are matched with its first N points.
 
     As it was where none has a depth. ``sigma``: the noise of places, pixels, for which the weights of what is seen
     stand, in whatever unit. ``huber``: pixels beyond which a residual counts linearly.
@@ -163,7 +170,7 @@ def with_depths(pose: Floats, seen: Sight, datum: Indices, data: Data, *, sigma:
 
 
 def side_sight(pose: Floats, points: Floats, datum: Indices, data: Data, sigma: float) -> Sight | None:
-    """The depths of ``datum`` (N,) as what a camera far to the side sees of ``points`` (N, 3), with noise of about ``sigma`` pixels.
+    """The depths of ``datum`` (N,) as a far side camera's view of ``points`` (N, 3), with noise of ``sigma`` px.
 
     Weights are 1/variance. None where no depth is told that could be right at this ``pose`` (4, 4).
     """
@@ -188,7 +195,8 @@ def side_sight(pose: Floats, points: Floats, datum: Indices, data: Data, sigma: 
 FEWEST = 4
 """Matches of different features with different data that a pose needs: any three appearances have one."""
 AS_GOOD = 3.0
-"""Evidence, logarithms, that is less by so little is as good: of these the last, where the climb ends, whatever way it came.
+"""Evidence, logarithms, that is less by so little is as good: of these the last, where the climb ends, whatever way it
+came.
 
 A sight that is expected and missed costs up to so much, and at the edge of its lobe a pose that is moved by next to
 nothing expects it or does not."""

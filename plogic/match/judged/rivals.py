@@ -140,7 +140,7 @@ def hidden_among(posed: Hypothesis, others: Sequence[Hypothesis]) -> Mask:
 
 
 def apart_on_screen(one: Hypothesis, other: Hypothesis, f: float, margin: float) -> bool:
-    """Whether two bodies are sure to stand more than ``margin`` pixels apart in the image (focal length ``f``), by the balls around them.
+    """Whether the balls around two bodies stand more than ``margin`` pixels apart in the image (focal length ``f``).
 
     Then neither hides anything of the other, shares volume with it, or takes data that it might take.
     """
@@ -208,7 +208,7 @@ class Contact(NamedTuple):
 def moved_apart(
     posed: Sequence[Hypothesis], information: Callable[[int], Floats], still: int = 0
 ) -> tuple[list[Floats], list[tuple[int, int]]]:
-    """Poses (4, 4), camera_from_object, of N objects, and the pairs that still reach more than ``DEEP`` into each other.
+    """Poses (4, 4), camera_from_object, of N objects, and the pairs that still reach more than ``DEEP`` together.
 
     So do pairs that would have to move too ``FAR``. One that touches nobody keeps its pose, the same array; so do the
     first, which stand ``still``, and nothing is told of pairs of these. ``information``, (6, 6), of the pose of one by
@@ -257,7 +257,9 @@ def contacts(posed: Sequence[Hypothesis], poses: Sequence[Floats], still: int = 
 def _eased(
     posed: Sequence[Hypothesis], poses: list[Floats], yields: Sequence[Floats], deep: Sequence[Contact]
 ) -> list[Floats]:
-    """The poses after the least costly moves that end the contacts, as far as these are flat: a quadratic program, by its dual.
+    """The poses after the least costly moves that end the contacts, as far as these are flat.
+
+    A quadratic program, by its dual.
 
     ``yields`` (6, 6) each: the inverse of what moves cost; 0 of what stands still.
     """

@@ -30,7 +30,7 @@ SURE = 5.0
 
 
 class Ranks(NamedTuple):
-    """rank(Type) (§5.3), in [0, 1]: of what is in Γ, of what clutter alone would give, and the best within one neighbourhood."""
+    """rank(Type) (§5.3), in [0, 1]: of Γ, of clutter alone, and the best within one neighbourhood."""
 
     rank: float
     by_chance: float
@@ -132,7 +132,9 @@ class TypeModel(Protocol):
         hidden: Mask | None = None,
         rounds: int = 2,
     ) -> Hypothesis:
-        """The type at a pose camera_from_object (4, 4), or a hypothesis that is matched already: matched (D7, D8), refined, and matched again.
+        """The type at a pose camera_from_object (4, 4), or a hypothesis that is matched already.
+
+        Matched (D7, D8), refined, and matched again.
 
         ``free`` (A,) the data that nobody else has claimed; ``hidden`` (F,) the features that accepted opaque objects
         hide.
@@ -183,5 +185,8 @@ class TypeModels(Protocol):
         yield from ()
 
     def make_ready(self) -> None:
-        """Compute now what is otherwise computed when it is first asked for: what a copy of the process computes is lost with it."""
+        """Compute now what is otherwise computed when it is first asked for.
+
+        What a copy of the process computes is lost with it.
+        """
         return

@@ -110,7 +110,10 @@ def _near(*factors: NDArray[np.float32]) -> tuple[Indices, Indices, Floats]:
 def _right(
     index: LearnedIndex, R: Floats, t: Floats, at: Floats, of_pair: tuple[Indices, Floats, Floats], f: float
 ) -> Mask:
-    """(N,) whether pairs (lobe, scale, angle) whose places agree agree in all else: N rotations, translations and places, camera's frame."""
+    """(N,) whether pairs (lobe, scale, angle) whose places agree agree in all else.
+
+    N rotations, translations and places, camera's frame.
+    """
     lobe, scale, angle = of_pair
     cloud = index.cloud
     line = -np.einsum("nij,ni->nj", R, t) - index.places[lobe]
@@ -155,7 +158,10 @@ class Held:
 
 
 def held_by(found: Agreement, pairs: Pairs, feature: NDArray[np.int64]) -> Held:
-    """Of the pairs that agree, the nearer off the better: of one keypoint, then of one feature (P,), only the greatest."""
+    """Of the pairs that agree, the nearer off the better.
+
+    Of one keypoint, then of one feature (P,), only the greatest.
+    """
     weight = pairs.weight[found.pair] * np.exp(-0.5 * (1.5 * found.off / found.tolerance[found.pose]) ** 2)
     pose, pair = found.pose, found.pair
     for owner in (pairs.datum, feature):
@@ -189,7 +195,7 @@ class Lobes:
     far: Singles
 
     def seen_from(self, viewpoints: Floats) -> tuple[Singles, Singles]:
-        """(H, M) how far each viewpoint (H, 3), object frame, is along each lobe's axis, and how far it is away, metres."""
+        """(H, M) how far each viewpoint (H, 3), object frame, is along each lobe's axis, and its distance, metres."""
         away = (viewpoints - self.centre).astype(np.float32)
         apart = (away * away).sum(axis=1)[:, None] - 2.0 * (away @ self.places) + self.square
         return away @ self.axes - self.along, np.sqrt(np.maximum(apart, 0.0))

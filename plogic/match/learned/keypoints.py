@@ -1,4 +1,4 @@
-"""Which keypoints of Γ look like which appearances of learned types, by their descriptors alone, and the pose that one such pair fixes.
+"""Which keypoints of Γ look like which appearances of learned types, by descriptors alone, and a pair's pose.
 
 Appearances are kept by visual word: of a keypoint only those of its nearest words are looked at, for all types at once.
 The lobe of a pair gives the direction of view, the angle the roll, the size the distance.
@@ -38,7 +38,7 @@ _BLOCK = 2048
 
 
 class Alike(NamedTuple):
-    """N pairs that look alike: ``datum`` (N,), ``lobe`` (N,), ``apart`` (N,) the distance of the descriptors in SIFT's measure.
+    """N pairs that look alike: ``datum`` (N,), ``lobe`` (N,), ``apart`` (N,) in SIFT's distance of descriptors.
 
     They are in the order of their appearances, of one appearance the most alike first.
     """
@@ -98,7 +98,9 @@ class Lexicon:
         return Alike(place[found.datum[here]], found.lobe[here], found.apart[here])
 
     def as_right(self, name: str, data: Data, lobe: Indices, datum: Indices, apart: Floats, aside: float) -> Floats:
-        """(N,) of appearances of a type, how many other keypoints of all of Γ look as right, as a share of ``NTH``, the most that are known.
+        """(N,) of a type's appearances, how many other keypoints of Γ look as right, as a share of ``NTH``.
+
+        ``NTH`` is the most that are known.
 
         ``datum`` (N,) are those that are theirs; others are ``aside`` pixels away from them at least. ``apart`` (N,) is
         a share of ``FARTHEST``.
@@ -112,7 +114,10 @@ class Lexicon:
         return np.bincount(owner[other], minlength=len(lobe)) / NTH
 
     def ask(self, data: Data) -> dict[str, Alike]:
-        """By type, the pairs that look alike, of all types and all of Γ: those of the last one that was asked about are kept."""
+        """By type, the pairs that look alike, of all types and all of Γ.
+
+        Those of the last one that was asked about are kept.
+        """
         last = self._last
         if last is None or last[0] is not data.whole:
             last = self._last = (data.whole, self._all(data.whole))
@@ -135,7 +140,7 @@ class Lexicon:
         }
 
     def _within(self, vectors: NDArray[np.float32]) -> tuple[Indices, Indices, Floats]:
-        """Rows of ``vectors`` (N, D), places in the lexicon, and distances, of all pairs that look alike and share a word."""
+        """Rows of ``vectors`` (N, D), places in the lexicon, and distances, of all alike pairs that share a word."""
         word, row = self._sorted_by_word(vectors)
         ends = np.searchsorted(word, np.arange(len(self.words) + 1))
         own = (vectors**2).sum(axis=1)
@@ -160,7 +165,7 @@ class Lexicon:
         )
 
     def _sorted_by_word(self, vectors: NDArray[np.float32]) -> tuple[Indices, Indices]:
-        """Words and rows of (N, D) vectors, each row with its ``WORDS`` nearest words, and those as near as the last of them, by word."""
+        """Words and rows of (N, D) vectors, each with its ``WORDS`` nearest words and ties with the last."""
         count = min(WORDS, len(self.words))
         words = self.words[:, : vectors.shape[1]]  # an image without colours is compared without them
         squares = (words**2).sum(axis=1)
@@ -208,7 +213,9 @@ object."""
 
 @dataclass(frozen=True)
 class Pairs(Columns):
-    """P keypoints and appearances that look alike: half of them the weightiest, half of them the weightiest of each part of the image.
+    """P keypoints and appearances that look alike.
+
+    Half of them the weightiest, half of them the weightiest of each part of the image.
 
     ``weight`` (P,) in (0, 1], about as the odds that a pair is right: 1 for the keypoint of the image that looks most
     like the appearance, a third for the second, and so on. What looks like much else in the image says little: a corner

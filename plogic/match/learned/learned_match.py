@@ -1,4 +1,6 @@
-"""Expected and Detected of a learned type at a pose (D7, D8): what its measured lobes say, and which keypoint each feature takes.
+"""Expected and Detected of a learned type at a pose (D7, D8).
+
+What its measured lobes say, and which keypoint each feature takes.
 
 Its own body hides nothing more: the lobes were measured on it. A keypoint looks right where its descriptor is like that
 of an appearance, and its size and its angle are what the pose makes of that appearance; how rare that is where it is,
@@ -86,7 +88,9 @@ def right_pairs(
     free: Mask,
     reach: Floats | float,
 ) -> RightPairs:
-    """Of some features (increasing) and keypoints that are ``free`` (A,), those that look right within ``reach`` pixels (one, or each its own).
+    """Of some features (increasing) and ``free`` keypoints (A,), those that look right within ``reach`` pixels.
+
+    ``reach`` is one, or each its own.
 
     ``lobes`` (increasing) are those by which they may: a feature looks as it does from about this viewpoint
     (``lobes.lobes_about``).
@@ -117,7 +121,10 @@ def right_pairs(
 
 
 def _within(places: Floats, reach: Floats, data: Data, free: Mask) -> tuple[Indices, Indices]:
-    """All pairs of a place (F, 2) and a keypoint that is free at most its ``reach`` (F,) from it: indices of places, in order, and of data."""
+    """All pairs of a place (F, 2) and a keypoint that is free at most its ``reach`` (F,) from it.
+
+    Indices of places, in order, and of data.
+    """
     place, datum = data.keypoints.near(places, reach)
     right, down = (places[:, axis][place] - data.uv[:, axis][datum] for axis in (0, 1))
     near = (right * right + down * down <= reach[place] ** 2) & free[datum]
@@ -127,7 +134,9 @@ def _within(places: Floats, reach: Floats, data: Data, free: Mask) -> tuple[Indi
 def _right(
     index: LearnedIndex, posed: Hypothesis, data: Data, lobes: Indices, size: Floats, place: Indices, datum: Indices
 ) -> tuple[Indices, Floats, Floats]:
-    """Which of N pairs look right, how far apart, and their fit: of an appearance of this pose, ``place`` in ``lobes``, and a keypoint ``datum``.
+    """Which of N pairs look right, how far apart, and their fit.
+
+    Of an appearance of this pose, ``place`` in ``lobes``, and a keypoint ``datum``.
 
     ``size`` (L,): logarithms of how large the appearances are in this pose, pixels.
     """
@@ -165,7 +174,7 @@ def _against_even(off: Floats, sigma: float, most: float) -> Floats:
 def likeness(
     index: LearnedIndex, posed: Hypothesis, lobes: Indices, matches: Indices, data: Data, kb: KnowledgeBase
 ) -> Floats:
-    """(F,) of each match, how much rarer a keypoint that looks as right is there than clutter of its word is in an image; 1 where unmatched.
+    """(F,) how much rarer an equally right keypoint is at each match than clutter of its word; 1 where unmatched.
 
     Clutter that happens to look right seldom looks quite right: the share of it within a distance a of the descriptors
     (of the greatest, 1) grows as a^``POWER``, that of what is right about evenly; unless the image holds more that
@@ -326,7 +335,9 @@ def precision(posed: Hypothesis) -> Floats:
 
 
 def blur(residual: Floats, median: float = MEDIAN, least: float = NOISE[0]) -> float:
-    """Location noise of this instance in this image, pixels, by the median of its matches' residuals (N,): sharp where the image is sharp.
+    """Location noise of this instance in this image, pixels, by the median of its matches' residuals (N,).
+
+    Sharp where the image is sharp.
 
     ``median`` is that of residuals of noise of σ = 1; there is never less noise than ``least``.
 

@@ -274,7 +274,10 @@ class LearnedSearch(Search):
 
 
 def bodies(models: Mapping[str, LearnedIndex], accepted: Sequence[Hypothesis]) -> Floats:
-    """(N, 4) middles, camera frame, and inner radii of accepted objects of these types, m: what reaches nearer than that is in them (A4)."""
+    """(N, 4) middles, camera frame, and inner radii of accepted objects of these types, m.
+
+    What reaches nearer than that is in them (A4).
+    """
     held = [(models[some.type], some.camera_from_object) for some in accepted if some.type in models]
     rows = [(*(pose[:3, :3] @ index.centre + pose[:3, 3]), index.inner_radius) for index, pose in held]
     return np.array(rows).reshape(-1, 4)

@@ -1,4 +1,4 @@
-"""Δh of a learned type: every pair is a pose, poses vote, the best that are apart are refined on the pairs that agree, then settled.
+"""Δh of a learned type: every pair is a pose, poses vote, and the best that are apart are refined and settled.
 
 On a known plane what rests has three ways to move, not six. So a pose that one pair fixes coarsely is set down: turned
 the least way that puts one of the body's resting faces on the plane, and moved along the line of sight until the face
@@ -70,7 +70,7 @@ def generate(
 
 
 def clear_of(taken: Floats, index: LearnedIndex, poses: Floats) -> Mask:
-    """(H,) which poses (H, 4, 4) may keep out of bodies that are there already (N, 4), as far as their inner radii tell (A4)."""
+    """(H,) which poses (H, 4, 4) may keep out of bodies already there (N, 4), as far as inner radii tell (A4)."""
     apart = np.linalg.norm((poses[:, :3, :3] @ index.centre + poses[:, :3, 3])[:, None] - taken[:, :3], axis=2)
     return np.asarray((apart > taken[:, 3] + index.inner_radius).all(axis=1))
 
@@ -78,7 +78,7 @@ def clear_of(taken: Floats, index: LearnedIndex, poses: Floats) -> Mask:
 def settled_best(
     index: LearnedIndex, best: Floats, data: Data, kb: KnowledgeBase, verified: int
 ) -> list[tuple[float, Hypothesis]]:
-    """Of refined poses (N, 4, 4), best first, the first ``verified`` that are apart, settled, with their log-likelihood ratios, best first."""
+    """Of refined poses (N, 4, 4), best first, the first ``verified`` apart, settled, with log-likelihood ratios."""
     seen = [index.settle(pose, data, kb, rounds=0) for pose in distinct_poses(index.object_type, best, verified)]
     hopeful = [posed for posed in seen if _enough(posed) and evidence(posed, data, kb).surplus > HOPELESS]
     settled = [index.settle(posed, data, kb, rounds=2) for posed in hopeful]
@@ -131,7 +131,9 @@ def _voted(
 
 
 def tilted(index: LearnedIndex, poses: Floats, pairs: Pairs, data: Data) -> Floats:
-    """(H, 4, 4) the other pose of each that shows a flat side nearly alike: the side, mirrored in depth, and turned proper by its normal.
+    """(H, 4, 4) the other pose of each that shows a flat side nearly alike.
+
+    The side, mirrored in depth, and turned proper by its normal.
 
     From afar a plane's tilt is known up to this (two branches of planar POSIT, §6.1); which of them holds, perspective
     and lobes decide.
@@ -177,7 +179,7 @@ ROUNDS_RESTING = (
 def resting(
     index: LearnedIndex, plane: Plane, data: Data, kb: KnowledgeBase, taken: Floats
 ) -> list[tuple[float, Hypothesis]]:
-    """The poses that Γ suggests on the plane, settled, which are free to leave it then, with their log-likelihood ratios, best first.
+    """Γ's poses on the plane, settled and then free to leave it, with log-likelihood ratios, best first.
 
     ``taken`` (N, 4): middles, camera frame, and inner radii of bodies that stand there already, m.
     """

@@ -49,7 +49,10 @@ class SideFit:
 
 
 def side_fit(index: LearnedIndex, poses: Floats, data: Data, granularity: float, reach: float, most: int) -> SideFit:
-    """Of poses (H, 4, 4), the ``most`` surest sides, each with the best within ``reach`` pixels across its line and a little more along it."""
+    """Of poses (H, 4, 4), the ``most`` surest sides, each with the best within ``reach`` px across its line.
+
+    And a little more along it.
+    """
     pose, lobe = _expected(index, poses, data, granularity, most)
     at = np.einsum("nij,nj->ni", poses[pose, :3, :3], index.places[lobe]) + poses[pose, :3, 3]
     uv = data.camera.project(at)
@@ -95,7 +98,7 @@ def _expected(index: LearnedIndex, poses: Floats, data: Data, granularity: float
 
 
 class Round(NamedTuple):
-    """One round: what agrees is within ``share`` of the diameter and ``pixels``, and sides within ``reach`` pixels across their edge.
+    """One round: agreement is within ``share`` of the diameter and ``pixels``; of sides, ``reach`` px across the edge.
 
     ``sides`` of each pose are looked for, the surest; ``kept`` poses go on, the best by what agrees.
     """

@@ -56,7 +56,7 @@ class SidePairs(Columns):
     colours: NDArray[np.float32]
 
     def usual(self, reach: Floats | float, count: int) -> Floats:
-        """(count,) sides per pixel² that look right around each place, those aside that are within its ``reach`` (count,) pixels of its line."""
+        """(count,) sides per pixel² that look right around each place, within ``reach`` (count,) px of its line."""
         within = np.broadcast_to(np.asarray(reach, float), count)
         clutter = np.abs(self.off) > within[self.place]
         area = np.pi * AROUND**2 - 4.0 * AROUND * np.minimum(within, AROUND / 2.0)
@@ -78,7 +78,7 @@ def side_pairs(index: LearnedIndex, data: Data, lobes: Indices, uv: Floats, angl
 def facing(
     looks: NDArray[np.float32], angle: Floats, data: Data, side: Indices, datum: Indices
 ) -> tuple[Indices, Floats, NDArray[np.float32]]:
-    """Of N pairs of sides, of looks (Q, 6) and facing angle (Q,) radians, and data, the M that face alike and are of like colours.
+    """Of N pairs of sides, of looks (Q, 6) and facing angle (Q,) radians, the M that face alike in like colours.
 
     Returns which (M,) they are, by how much they face another way, and how far off their colours are.
     """
@@ -101,7 +101,7 @@ OTHERS = 3
 
 
 def share_elsewhere(uv: Floats, angle: Floats, looks: NDArray[np.float32], data: Data) -> float:
-    """The share of sides at uv (N, 2) pixels, facing angle (N,), of looks (N, 6), that is found at each of ``OTHERS`` other places, apart."""
+    """The share of sides at uv (N, 2) px, facing angle (N,), of looks (N, 6), found at each of ``OTHERS`` places."""
     some = np.unique(np.linspace(0, len(uv) - 1, SOME).round().astype(np.intp)) if len(uv) else np.zeros(0, np.intp)
     diagonal = float(np.linalg.norm(np.ptp(uv, axis=0))) if len(uv) else 0.0
     if len(some) < 2 or diagonal < 2.0 * CELL:
@@ -125,7 +125,10 @@ def share_elsewhere(uv: Floats, angle: Floats, looks: NDArray[np.float32], data:
 
 
 def _shifts(uv: Floats, angle: Floats, looks: NDArray[np.float32], data: Data) -> tuple[Indices, Floats]:
-    """Of all pairs of a side and a datum that looks like it, wherever it is: the side's number, and how far it is to the datum, pixels."""
+    """Of all pairs of a side and a datum that looks like it, wherever it is.
+
+    The side's number, and how far it is to the datum, pixels.
+    """
     side, datum = data.sides.facing(angle)
     alike = facing(looks, angle, data, side, datum)[0]
     return side[alike], data.uv[datum[alike]] - uv[side[alike]]
@@ -197,7 +200,7 @@ def side_matches(
 
 
 def _facing(turned: Floats) -> Floats:
-    """(N,) how much likelier a side is to face ``turned`` radians another way if it is right than evenly anywhere that may be right."""
+    """(N,) how much likelier a right side faces ``turned`` radians another way than any side that may be right."""
     bell = np.exp(-0.5 * (turned / TURNS) ** 2) / (np.sqrt(2.0 * np.pi) * TURNS)
     return np.asarray((1.0 - WILD) * bell * 2.0 * TURNED + WILD)
 
@@ -217,7 +220,9 @@ def _one_to_one(feature: Indices, datum: Indices, worth: Floats) -> Indices:
 
 
 def side_likeness(found: SideMatches, sigma: Floats, data: Data, kb: KnowledgeBase) -> Floats:
-    """(N,) as ``looks.likeness`` is of keypoints: what the density about a place, times this, is to the usual clutter of the datum's word.
+    """(N,) as ``looks.likeness`` is of keypoints.
+
+    What the density about a place, times this, is to the usual clutter of the datum's word.
 
     In a pattern nothing is rarer than that: a side is found elsewhere with the chance ``pattern``.
     """

@@ -1,4 +1,6 @@
-"""What Γ says of poses, softly: each sight is drawn to every datum that looks like it, as much as that is likely to be its own.
+"""What Γ says of poses, softly.
+
+Each sight is drawn to every datum that looks like it, as much as that is likely to be its own.
 
 The evidence of a pose is what ``plogic.match.judged.evidence`` says of it, but summed over what a datum may be of, at
 all poses about it together (``plogic.match.judged.evidence``), and, to begin with, with a noise as wide as the
@@ -116,7 +118,10 @@ class _Pairs(NamedTuple):
 
 
 def drawn(asked: Asked, kind: Indices, poses: Floats, share: float) -> Drawn:
-    """Of poses (N, 4, 4) of types ``kind`` (N,), whose sights may be off by a ``share`` of the diameter, and never by less than the noise."""
+    """Of poses (N, 4, 4) of types ``kind`` (N,), those whose sights may be off by a ``share`` of the diameter.
+
+    And never by less than the noise.
+    """
     index, camera = asked.index, asked.camera
     middle = np.einsum("nj,nj->n", poses[:, 2, :3], index.centres[kind]) + poses[:, 2, 3]
     across = np.where(middle > NEAREST, index.sights.diameter[kind] * camera.f / np.maximum(middle, NEAREST), 0.0)
@@ -265,7 +270,10 @@ _FOURS = np.array(list(combinations(range(OF), 4)))
 
 
 def by_fours(asked: Asked, kind: Indices, poses: Floats, share: float) -> tuple[Indices, Floats]:
-    """Types (M,) and poses (M, 4, 4), M ≤ 35 N, of poses (N, 4, 4) of types ``kind`` (N,) whose sights may be off by a ``share`` of the diameter."""
+    """Types (M,) and poses (M, 4, 4), M ≤ 35 N, of poses (N, 4, 4) of types ``kind`` (N,).
+
+    Their sights may be off by a ``share`` of the diameter.
+    """
     blocks = [
         _block_of_fours(asked, kind[start : start + FOURS_BLOCK], poses[start : start + FOURS_BLOCK], share)
         for start in range(0, len(kind), FOURS_BLOCK)

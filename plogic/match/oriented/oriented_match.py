@@ -1,4 +1,6 @@
-"""Expected and Detected of a type by hand at a pose (D7, D8), where a detector's angles count: what lies at another angle is not right.
+"""Expected and Detected of a type by hand at a pose (D7, D8), where a detector's angles count.
+
+What lies at another angle is not right.
 
 Least squares are on places and angles: an angle tells how a feature is turned in space, most where its x axis leads out
 of the image plane.
@@ -122,7 +124,7 @@ def matched_at(
 
 
 def polished(index: TypeIndex, posed: Hypothesis, data: Data, kb: KnowledgeBase, hidden: Mask | None) -> Floats | None:
-    """Least squares (4, 4) on places and angles of the expected features that were detected, or None where they are fewer than ``FEWEST``."""
+    """Least squares (4, 4) on places and angles of the detected expected features; None where below ``FEWEST``."""
     used = posed.expected(hidden) & posed.detected
     if used.sum() < FEWEST or kb.rates.sigma_angle is None:
         return None

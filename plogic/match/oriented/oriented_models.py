@@ -52,7 +52,10 @@ class OrientedIndex(TypeIndex):
         hidden: Mask | None = None,
         rounds: int = 2,
     ) -> Hypothesis:
-        """The type at a pose, or one that is matched there already: matched, refined on places and angles, and matched again."""
+        """The type at a pose, or one that is matched there already.
+
+        Matched, refined on places and angles, and matched again.
+        """
         allowed = self.allowed(data)
         return settled(
             pose,
@@ -201,7 +204,7 @@ class OrientedSearch(Search):
         return f"{why}: every datum votes by itself"
 
     def _little(self, left: Data) -> bool:
-        """Whether all types together have at most ``FEW_LEFT`` matches of a feature and a free datum that looks like it."""
+        """Whether all types together have at most ``FEW_LEFT`` matches of a feature and a free, like datum."""
         counts = accumulate(int(index.allowed(left).sum()) for index in self.models.values())
         return all(count <= FEW_LEFT for count in counts)
 

@@ -1,4 +1,4 @@
-"""Δh of all types at once: pairs vote, the fullest boxes are laid onto Γ as whole clouds, the best that are apart climb to what they explain best.
+"""Δh of all types at once: pairs vote, full boxes are laid onto Γ as clouds, and the best apart climb.
 
 * ``Search``: that in one Γ, again and again, on what is not claimed yet
 """
@@ -182,7 +182,10 @@ def _climbed(asked: Asked, kind: Indices, poses: Floats, each: Round) -> _Posed:
 
 
 def _tilted(asked: Asked, kind: Indices, poses: Floats, tilts: Floats | list[float]) -> _Posed:
-    """Of each pose (N, 4, 4) what comes of it at other tilts, radians: what is nearly flat, or far away, fits several."""
+    """Of each pose (N, 4, 4) what comes of it at other tilts, radians.
+
+    What is nearly flat, or far away, fits several.
+    """
     poses = np.concatenate([turned_about(asked.index, kind, poses, tilt) for tilt in tilts])
     kind = np.tile(np.repeat(kind, TILTS), len(tilts))
     found = _Posed(kind, poses, np.zeros(len(kind)), np.zeros(len(kind)))

@@ -1,4 +1,6 @@
-"""The index over all types: in each view cell the pairs of neighbouring sights, by both looks and both angles to the line between them.
+"""The index over all types: each view cell's pairs of neighbouring sights, by both looks and both angles.
+
+Angles to the line between them.
 
 A *sight* is one appearance of one feature: a lobe. From a cell it is seen if its lobe holds the viewpoint and the
 feature is not Behind its host. A pair in the image that has the same looks and nearly the same angles gives type, view
@@ -158,7 +160,10 @@ class PairIndex:
 
     @cached_property
     def turns(self) -> Floats:
-        """(T, F, 3) x axes of the features' frames, object frame, padded with zeros: what a datum's angle is on the screen."""
+        """(T, F, 3) x axes of the features' frames, object frame, padded with zeros.
+
+        What a datum's angle is on the screen.
+        """
         return _padded([index.turns for index in self.indices])
 
     @cached_property
@@ -208,7 +213,9 @@ class PairIndex:
     def found(
         self, looks: tuple[Indices, Indices], angles: tuple[Floats, Floats], tolerance: float, most: int = MOST
     ) -> tuple[Indices, NDArray[np.uint64], NDArray[np.uint8]]:
-        """All N pairs that look alike: query and entry (N,), and by how much each of the two angles (N, 2) is off, in ``FINE``ths of the circle.
+        """All N pairs that look alike.
+
+        Query and entry (N,), and by how much each of the two angles (N, 2) is off, in ``FINE``ths of the circle.
 
         Q queries of ``looks`` (numbers, the lower first), ``angles`` to the line, radians. Those are found both angles
         of which are within
@@ -243,7 +250,7 @@ class PairIndex:
 
 @dataclass(frozen=True)
 class Said(Columns):
-    """What entries (N,) say: ``kind`` type, ``cell``, ``line`` rad of the way from the first to the second on the cell's screen, its ``length``.
+    """Of entries (N,): ``kind`` type, ``cell``, ``line`` rad of the way between sights on the screen, ``length``.
 
     ``place`` (N, 2): where the first is there, from the object's middle. Lengths and places in diameters.
     """
@@ -256,7 +263,7 @@ class Said(Columns):
 
 
 def said(entry: NDArray[np.uint64]) -> Said:
-    """Unpacked: as exact as its eight bits a number are, half a percent of a diameter, 0.7 degrees, 1.5 % of a length."""
+    """Unpacked: as exact as eight bits a number are, half a percent of a diameter, 0.7 degrees, 1.5 % of a length."""
     kind, (cell, line, length, x, y) = (
         entry >> np.uint64(40),
         ((entry >> np.uint64(shift)) & np.uint64(0xFF) for shift in (32, 24, 16, 8, 0)),

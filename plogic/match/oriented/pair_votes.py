@@ -1,4 +1,4 @@
-"""Votes: each pair of neighbours in the image that looks like a pair of some cell of some type says where that would stand.
+"""Votes: each pair of neighbours in the image that looks like a pair of some type's cell places that type.
 
 * ``Votes``: N of them, with how much says nearly the same
 * ``Raw``: those of all pairs, before they are counted
@@ -62,7 +62,9 @@ class Votes(Columns):
 
 @dataclass(frozen=True)
 class Raw:
-    """Votes before they are counted, in the order of the pairs of the image: ``query`` (N,) which pair, ``pair`` (N, 2) rows of its data.
+    """Votes before they are counted, in the order of the pairs of the image.
+
+    ``query`` (N,) which pair, ``pair`` (N, 2) rows of its data.
 
     ``boxes`` (2, N): numbers of the boxes of place, roll and size that each lies in, in two grids, half a box apart.
     """
@@ -119,7 +121,7 @@ def raw_votes(index: PairIndex, looks: Indices, data: Data, sigma: float) -> Raw
 
 
 def _as_wide(sizes: NDArray[np.float32], scale: Floats, per_metre: Floats) -> Mask:
-    """(N,) whether data of ``scale`` px, NaN where unknown, are as wide as ``sizes`` (2, N), m, the least and the most, at so many pixels a metre."""
+    """(N,) whether data of ``scale`` px, NaN where unknown, fit ``sizes`` (2, N), m, at so many pixels a metre."""
     least, most = sizes
     return np.asarray(
         np.isnan(scale) | ((scale >= least * per_metre / AS_WIDE) & (scale <= most * per_metre * AS_WIDE))
@@ -127,7 +129,10 @@ def _as_wide(sizes: NDArray[np.float32], scale: Floats, per_metre: Floats) -> Ma
 
 
 def counted(raw: Raw) -> Votes:
-    """Of each box and cell one vote, with the weight of all pairs of the image that vote for the box: in the fuller of the two grids."""
+    """Of each box and cell one vote, with the weight of all pairs of the image that vote for the box.
+
+    In the fuller of the two grids.
+    """
     weight, row = np.zeros(len(raw.query), np.intp), np.arange(len(raw.query), dtype=np.uint64)
     for box in raw.boxes:
         both = np.sort((box << _ROW) | row)  # in each box the pairs of the image one after the other
@@ -144,7 +149,10 @@ def counted(raw: Raw) -> Votes:
 
 
 def _fit(off: NDArray[np.uint8], sigma: float) -> Indices:
-    """(N,) weights of votes the angles (N, 2) of which are off by so many ``FINE``ths of the circle: by a normal density, at least 1."""
+    """(N,) weights of votes the angles (N, 2) of which are off by so many ``FINE``ths of the circle.
+
+    By a normal density, at least 1.
+    """
     bell = np.exp(-0.5 * ((np.arange(FINE // 2 + 1) * (2.0 * np.pi / FINE)) / np.hypot(sigma, BENT)) ** 2)
     return np.asarray(np.maximum(1, np.rint(WHOLE * bell[off[:, 0]] * bell[off[:, 1]])).astype(np.intp))
 

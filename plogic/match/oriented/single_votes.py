@@ -1,4 +1,6 @@
-"""Votes of single data, for where pairs of neighbours do not do: each datum says, for every sight that looks like it, where the object would stand.
+"""Votes of single data, for where pairs of neighbours do not do.
+
+Each datum says, for every sight that looks like it, where the object would stand.
 
 Its angle tells the roll, nothing the distance: so it votes at a number of sizes. A right pose gathers all of its data,
 however far apart; a pair must have been detected both, and be neighbours. It costs far more than pairs do, and is for

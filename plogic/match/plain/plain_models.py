@@ -1,4 +1,6 @@
-"""Hand-modelled types searched for as the paper does, by sets of four, or by SoftPOSIT: slow, and what the fast searches are tested against.
+"""Hand-modelled types searched for as the paper does, by sets of four, or by SoftPOSIT.
+
+Slow, and what the fast searches are tested against.
 
 SoftPOSIT takes random starts, for one type: pose and correspondence at once, where a feature may be any datum that
 looks like it (§6.2).

@@ -1,4 +1,6 @@
-"""The paper's search for one type: sets of four of its features, highest dv first, every assignment of data, POSIT, expected features (§6.1, §6.3).
+"""The paper's search for one type.
+
+Sets of four of its features, highest dv first, every assignment of data, POSIT, expected features (§6.1, §6.3).
 
 Nothing is thinned before POSIT: no view cell votes, no angle and no neighbour is asked. Where all sets are no more than
 ``MOST`` it is exhaustive. A set is of features that one viewpoint sees, each with a datum that looks like it. Coarse
@@ -93,7 +95,9 @@ def scene_of(index: TypeIndex, data: Data, kb: KnowledgeBase) -> Scene:
 
 
 def worth(scene: Scene, poses: Floats, wider: float) -> Floats:
-    """(N,) the evidence (§8) for poses (N, 4, 4) by the nearest datum of each feature that the nearest view cell shows; noise so many times wider.
+    """(N,) the evidence (§8) for poses (N, 4, 4) by the nearest datum of each feature shown by the nearest view cell.
+
+    Noise is so many times wider.
 
     A datum may serve several features: what is left is verified.
     """

@@ -5,29 +5,22 @@ They must have plogic installed and see the same files under the same names.
 ``Connection`` reaches the scheduler: who does not answer, or has no workers, is waited for so long and no longer.
 """
 
-from __future__ import annotations
-
 import asyncio
 import threading
+from collections.abc import Callable, Iterator
 from contextlib import suppress
 from dataclasses import asdict, astuple
 from importlib import import_module
 from queue import Empty, SimpleQueue
 from time import monotonic, sleep
-from typing import TYPE_CHECKING, Any
+from typing import Any
 from uuid import uuid4
 
 from plogic.base.errors import InputError
+from plogic.run.batch.dask_worker import Told
 from plogic.run.batch.frame_lines import Lines
-from plogic.run.batch.pool import Answer
-
-if TYPE_CHECKING:
-    from collections.abc import Callable, Iterator
-
-    from plogic.run.batch.dask_worker import Told
-    from plogic.run.batch.frames import Settings
-    from plogic.run.batch.pool import Job
-
+from plogic.run.batch.frames import Settings
+from plogic.run.batch.pool import Answer, Job
 
 CONNECTING = 10.0
 """Seconds that a scheduler has to answer in, whatever it is asked."""

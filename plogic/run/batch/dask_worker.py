@@ -4,8 +4,6 @@ A run's processes end when it ends, when it was killed (then its tasks are cance
 for a while.
 """
 
-from __future__ import annotations
-
 import threading
 from dataclasses import dataclass
 from importlib import import_module
@@ -100,11 +98,7 @@ def _wanted(worker: Any, key: object) -> bool:  # noqa: ANN401 - a worker of Das
 
 _KEPT = _Kept()
 """In a Dask worker nothing else outlives a task."""
-
-
-def forget(run: str) -> None:
-    """Close what is kept of a run."""
-    _KEPT.forget(run)
+forget = _KEPT.forget
 
 
 def perceived(task: Told, row: list[Any] | None) -> Told:

@@ -12,23 +12,16 @@ with sorted keys, of a lost frame its error. It is ``null`` where some of that c
 where a worker was given up on it is of the files as they were then.
 """
 
-from __future__ import annotations
-
 import json
+from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Literal, NotRequired, TypedDict
+from typing import Literal, NotRequired, TypedDict
 
-from plogic.facts.situation import stopped_in
-from plogic.run.batch.frames import digest_of
+from plogic.facts.document import HypothesisRow, Interpretation, RejectedRow, Status, WorldRow
+from plogic.facts.fact_rows import Interval, Pose
+from plogic.facts.situation import Stopped, stopped_in
+from plogic.run.batch.frames import Frame, Settings, digest_of
 from plogic.scene.readings.unfinished import unlisted_beyond
-
-if TYPE_CHECKING:
-    from collections.abc import Mapping
-
-    from plogic.facts.document import HypothesisRow, Interpretation, RejectedRow, Status, WorldRow
-    from plogic.facts.fact_rows import Interval, Pose
-    from plogic.facts.situation import Stopped
-    from plogic.run.batch.frames import Frame, Settings
 
 FORMAT = "frame/1"
 DONE, UNFINISHED, ERROR = "done", "unfinished", "error"

@@ -8,13 +8,12 @@
 standard input.
 """
 
-from __future__ import annotations
-
 import glob
 import hashlib
 import json
 import os
 from collections import deque
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from functools import lru_cache
 from pathlib import Path
@@ -23,11 +22,9 @@ from typing import TYPE_CHECKING, Literal, NotRequired, TypedDict
 from geometry.errors import PlogicError
 from geometry.files.plain_files import IS_FOLDER, IS_MISSING, fault_of, is_there
 from plogic.base.errors import InputError
+from plogic.facts.situation import Reading, Reconsider
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable, Iterator, Sequence
-
-    from plogic.facts.situation import Reading, Reconsider
     from plogic.run.bop.dataset import Scene
 
 
@@ -118,7 +115,7 @@ def scene_and_image(frame: Frame) -> tuple[int, int]:
     return int(scene), int(image)
 
 
-def scene_at(folder: str, number: int) -> Scene:
+def scene_at(folder: str, number: int) -> "Scene":
     """The scene of a folder, whose cameras are parsed once for as long as their file does not change."""
     try:
         found = (Path(folder) / "scene_camera.json").stat()
@@ -128,7 +125,7 @@ def scene_at(folder: str, number: int) -> Scene:
 
 
 @lru_cache(SCENES)
-def _scene(folder: str, number: int, _version: tuple[int, ...]) -> Scene:
+def _scene(folder: str, number: int, _version: tuple[int, ...]) -> "Scene":
     from plogic.run.bop.dataset import Scene
 
     return Scene(Path(folder), number)

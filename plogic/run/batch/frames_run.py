@@ -6,24 +6,17 @@ were written to OUT meanwhile stay in it for a while, and whoever reads it passe
 write it.
 """
 
-from __future__ import annotations
-
+from collections.abc import Callable, Collection, Sequence
+from io import FileIO
 from pathlib import Path
-from typing import TYPE_CHECKING, Protocol
 
 from geometry.files.plain_files import IS_MISSING, fault_of
-from plogic.run.batch.log import Stream, read_lines
-from plogic.run.batch.pool import Answer, Job
+from plogic.run.batch.dask import Cluster
+from plogic.run.batch.frames import Frame
+from plogic.run.batch.log import Log, Written, read_lines
+from plogic.run.batch.pool import Answer, Job, Pool
 from sensing.errors import SensingError
 from sensing.files.whole_files import write_whole
-
-if TYPE_CHECKING:
-    from collections.abc import Callable, Collection, Iterator, Sequence
-    from io import FileIO
-
-    from plogic.run.batch.frames import Frame
-    from plogic.run.batch.log import Written
-
 
 STALE = 512
 """Lines of the file after which it is made anew, of those that still wait."""
@@ -63,7 +56,7 @@ class Waiting:
             return
         self._count += 1
         if self._file is not None and self._count < STALE:
-            Stream(str(self._place), self._file).write(line)
+            Log(str(self._place), self._file).write(line)
             return
         self.close()
         write_whole(self._place, b"".join(held))
@@ -100,20 +93,8 @@ AHEAD = 256
 memory."""
 
 
-class Engine(Protocol):
-    """Who works: the processes of this machine, or a cluster."""
-
-    def start(self, number: int) -> None:
-        """Get ready for so many frames."""
-
-    def kb(self) -> dict[str, str]:
-        """Name and digest of the KB that is used."""
-
-    def answers(self, take: Callable[[], Job | None]) -> Iterator[Answer]:
-        """The line of every frame that ``take`` gives."""
-
-    def close(self) -> None:
-        """End whatever works."""
+Engine = Pool | Cluster
+"""Who works: the processes of this machine, or a cluster."""
 
 
 def run(

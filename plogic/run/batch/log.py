@@ -1,27 +1,20 @@
 """The file that lines are appended to, each whole and at once, so that a run that was killed can go on with it."""
 
-from __future__ import annotations
-
 import fcntl
 import json
 import os
 import sys
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
+from io import RawIOBase
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, NamedTuple, Protocol
+from typing import Any, BinaryIO, NamedTuple
 
 from plogic.base.errors import InputError
 from plogic.run.batch.frame_lines import DONE, ERROR, FORMAT, UNFINISHED
-from plogic.run.batch.frames import digest_of
+from plogic.run.batch.frames import Frame, Settings, digest_of
 from sensing.errors import SensingError
 from sensing.files.whole_files import check_places
-
-if TYPE_CHECKING:
-    from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
-    from io import RawIOBase
-    from typing import BinaryIO
-
-    from plogic.run.batch.frames import Frame, Settings
 
 HEAD = f'{{"format":"{FORMAT}",'.encode()
 """How every line begins."""
@@ -75,20 +68,8 @@ class Mistakes:
             raise InputError("\n".join([*self._lines, f"--resume cannot go on: {self._remedy}"]))
 
 
-class Log(Protocol):
-    """Where lines go."""
-
-    written: Sequence[Written]
-
-    def cut(self) -> None:
-        """Take away the torn line that follows those that are written."""
-
-    def write(self, line: bytes) -> None:
-        """Append one line, or raise SensingError."""
-
-
-class Stream:
-    """Standard output, or a file."""
+class Log:
+    """Where lines go: standard output, or a file; ``written``: what the lines tell that it holds already."""
 
     def __init__(
         self, name: str, file: BinaryIO | RawIOBase, written: Sequence[Written] = (), end: int | None = None
@@ -97,12 +78,12 @@ class Stream:
         self._name, self._file, self.written, self._end = name, file, written, end
 
     def cut(self) -> None:
-        """As of a log."""
+        """Take away the torn line that follows those that are written."""
         if self._end is not None:
             self._file.truncate(self._end)
 
     def write(self, line: bytes) -> None:
-        """As of a log."""
+        """Append one line, or raise SensingError."""
         left = memoryview(line)
         try:
             while left:
@@ -131,7 +112,7 @@ def log_at(out: str) -> Iterator[Log]:
         SensingError: It cannot be written.
     """
     if out == "-":
-        yield Stream("standard output", sys.stdout.buffer)
+        yield Log("standard output", sys.stdout.buffer)
         return
     path = Path(out)
     try:
@@ -140,10 +121,10 @@ def log_at(out: str) -> Iterator[Log]:
         raise SensingError(f"{out}: cannot be written: {error.strerror}") from None
     with file:
         if not path.is_file():  # a device
-            yield Stream(out, file)
+            yield Log(out, file)
             return
         _lock(file, out)
-        yield Stream(out, file, *read_lines(path, out))
+        yield Log(out, file, *read_lines(path, out))
         os.fsync(file)
 
 

@@ -3,25 +3,19 @@
 ``Process`` is one of them as seen from outside: frames go in, answers come out, and at last it is killed or dies.
 """
 
-from __future__ import annotations
-
 import contextlib
 import json
 import select
 from collections import deque
+from collections.abc import Callable, Iterator
 from dataclasses import asdict, astuple
 from time import monotonic
-from typing import TYPE_CHECKING, NamedTuple
+from typing import NamedTuple
 
 from plogic.base.children import Child, python
 from plogic.base.errors import InputError
 from plogic.run.batch.frame_lines import Lines
-
-if TYPE_CHECKING:
-    from collections.abc import Callable, Iterator
-
-    from plogic.run.batch.frames import Frame, Settings
-
+from plogic.run.batch.frames import Frame, Settings
 
 ONE_THREAD = dict.fromkeys(
     ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "NUMEXPR_NUM_THREADS", "OPENCV_FOR_THREADS_NUM"), "1"

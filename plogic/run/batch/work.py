@@ -1,25 +1,20 @@
 """One frame after the other, in a process that has read the knowledge base once."""
 
-from __future__ import annotations
-
 from time import monotonic
-from typing import TYPE_CHECKING, Any
+from typing import Any
+
+from numpy.typing import NDArray
 
 from geometry.errors import PlogicError
 from plogic.base.clock import Stopwatch
 from plogic.base.errors import InputError
 from plogic.cycle.delta import Options
+from plogic.facts.document import Interpretation
 from plogic.run.batch.frame_lines import Lines
-from plogic.run.batch.frames import camera_of, checked, digest_of, scene_and_image, scene_at
+from plogic.run.batch.frames import Frame, Settings, camera_of, checked, digest_of, scene_and_image, scene_at
 from plogic.run.perceive import perceiver_of
 from plogic.run.sources import detected, gamma_of, image_of, kb_of
-
-if TYPE_CHECKING:
-    from numpy.typing import NDArray
-
-    from plogic.facts.document import Interpretation
-    from plogic.run.batch.frames import Frame, Settings
-    from sensing.appearance import Gamma
+from sensing.appearance import Gamma
 
 CHANGED = "changed while it was read"
 """What is wrong with a frame whose bytes before and after are not the same."""

@@ -8,13 +8,15 @@
 ``open_dataset`` finds out which dataset a folder is: a whole dataset, one split of it, or one scene.
 """
 
-from __future__ import annotations
-
 import os
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
 
 from geometry.camera import Camera, camera_from_dict
 from geometry.errors import CameraError
@@ -34,13 +36,6 @@ from plogic.run.bop.json_files import (
     whole,
 )
 from sensing.files.images import read_image
-
-if TYPE_CHECKING:
-    from collections.abc import Mapping, Sequence
-
-    import numpy as np
-    from numpy.typing import NDArray
-
 
 PICTURES = tuple(
     f"{folder}/{{:06d}}.{ending}" for folder in ("rgb", "gray") for ending in ("png", "jpg", "jpeg", "tif")

@@ -1,20 +1,15 @@
 """BOP's JSON files, read with care: every mistake is one line ``FILE: KEY: what is wrong``."""
 
-from __future__ import annotations
-
-from typing import TYPE_CHECKING, Any
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from geometry.files.plain_files import fault_of, json_of
 from geometry.frames import from_rotation_translation
 from plogic.base.errors import InputError
-
-if TYPE_CHECKING:
-    from collections.abc import Mapping
-    from pathlib import Path
-
-    from numpy.typing import NDArray
 
 LARGEST = 256 * 2**20
 """Bytes of a JSON file."""

@@ -9,27 +9,21 @@ circle of the diameter as its diameter is the bound, so that ⌈π / step⌉ tur
 A type is the object of its name, ``obj_000005``, or the one that a file says: ``{"003_cracker_box": 2}``.
 """
 
-from __future__ import annotations
-
 import math
 import re
+from collections.abc import Collection, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from geometry.files.mesh_files import beside, reason
 from geometry.files.plain_files import IS_MISSING, fault_of
 from geometry.frames import from_rotation_translation, rotation_from_quat_xyzw
 from plogic.base.errors import InputError
 from plogic.run.bop.json_files import MM, entry_of, member, motion, numbered, numbers, read_json, shown, whole
-
-if TYPE_CHECKING:
-    from collections.abc import Collection, Iterable, Mapping, Sequence
-
-    from numpy.typing import NDArray
-
 
 NAMED = re.compile(r"obj_0*(\d+)")
 

@@ -23,26 +23,19 @@ wanted; by decreasing score each goes to the truth of the lowest error below the
 ``View`` is one image with what stands there and what was found: ``View(truths, estimates, camera, wanted={5: 1})``.
 """
 
-from __future__ import annotations
-
 from collections import Counter
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING
 
 import numpy as np
+from numpy.typing import ArrayLike, NDArray
 
+from geometry.camera import Camera
 from geometry.frames import inverse
-
-if TYPE_CHECKING:
-    from collections.abc import Callable, Iterable, Mapping, Sequence
-
-    from numpy.typing import ArrayLike, NDArray
-
-    from geometry.camera import Camera
-    from plogic.run.bop.dataset import Truth
-    from plogic.run.bop.models import Model
-    from plogic.run.bop.results_file import Estimate
-
+from plogic.base.errors import InputError
+from plogic.run.bop.dataset import Dataset, Truth
+from plogic.run.bop.models import Model
+from plogic.run.bop.results_file import Estimate, Run
 
 VISIBLE = 0.1
 """A truth less visible than this is no target where no list of targets says how many are wanted."""
@@ -59,6 +52,24 @@ class View:
     estimates: tuple[Estimate, ...]
     camera: Camera | None
     wanted: Mapping[int, int] | None = None
+
+
+def views_of(dataset: Dataset, done: Run) -> tuple[list[View], list[str]]:
+    """The views that have ground truth, those of bad frames (nothing found) among them, and a line for each truth that cannot be read."""
+    found: dict[tuple[int, int], list[Estimate]] = {}
+    for e in done.estimates:
+        found.setdefault((e.scene_id, e.im_id), []).append(e)
+    views, wrong = [], []
+    for key in dataset.listed()[0]:
+        try:
+            truths = dataset.scene(key[0]).truths(key[1])
+        except InputError as error:
+            wrong.append(str(error))
+            continue
+        if truths is not None:
+            wanted = None if dataset.targets is None else dataset.targets[key]
+            views.append(View(truths, tuple(found.get(key, ())), done.cameras.get(key), wanted))
+    return views, list(dict.fromkeys(wrong))
 
 
 def targets_of(view: View) -> dict[int, list[Truth]]:

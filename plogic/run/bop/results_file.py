@@ -2,41 +2,27 @@
 
 Its name by the challenge's convention is METHOD_DATASET-SPLIT.csv; none is demanded here.
 
-``run`` has a perceiver look at a dataset's frames, and gives the estimates with a line for each frame that went wrong;
-``views_of`` gives the views that are scored.
+``run`` has a perceiver look at a dataset's frames, and gives the estimates with a line for each frame that went wrong.
 """
 
-from __future__ import annotations
-
-import math
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
-from pathlib import Path
 from time import perf_counter
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
-from geometry.errors import PlogicError, told
+from geometry.camera import Camera
+from geometry.errors import PlogicError
 from geometry.frames import is_rigid
 from plogic.base.errors import InputError
-from plogic.run.bop.json_files import HIGHEST, MM, motion, number_of
-from plogic.run.bop.recalls import View
-
-if TYPE_CHECKING:
-    from collections.abc import Iterable, Mapping
-
-    from numpy.typing import NDArray
-
-    from geometry.camera import Camera
-    from plogic.run.bop.dataset import Dataset
-
+from plogic.run.bop.dataset import Dataset
+from plogic.run.bop.json_files import MM
 
 HEADER = "scene_id,im_id,obj_id,score,R,t,time"
 UNTIMED = -1.0
 """The time of an image that nobody measured."""
-LARGEST = 1024 * 2**20
-"""Bytes of a results file."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -63,84 +49,6 @@ def _line(e: Estimate) -> str:
     R = " ".join(repr(float(x)) for x in e.camera_from_object[:3, :3].ravel())
     t = " ".join(repr(float(x) * MM) for x in e.camera_from_object[:3, 3])
     return f"{e.scene_id},{e.im_id},{e.obj_id},{float(e.score)!r},{R},{t},{float(e.time)!r}"
-
-
-def read_results(path: str | Path) -> list[Estimate]:
-    """The estimates of a results file; the header may be missing.
-
-    Raises:
-        InputError: Every mistake, one line each: ``results.csv:3: R: ...``.
-    """
-    place = Path(path)
-    found: list[Estimate] = []
-    wrong: list[str] = []
-    for number, line in enumerate(_lines(place), 1):
-        if not line.strip() or (number == 1 and line.strip() == HEADER):
-            continue
-        try:
-            found.append(_estimate(line, f"{path}:{number}"))
-        except InputError as error:
-            wrong.append(str(error))
-    wrong += _unequal_times(found, path)
-    if wrong:
-        raise InputError(told(wrong))
-    return found
-
-
-def _lines(path: Path) -> list[str]:
-    try:
-        if path.stat().st_size > LARGEST:
-            raise InputError(f"{path}: is larger than the {LARGEST} bytes that a results file may have")
-        return path.read_text(encoding="utf-8-sig").splitlines()
-    except OSError as error:
-        raise InputError(f"{path}: cannot be read: {error.strerror}") from None
-    except UnicodeDecodeError as error:
-        raise InputError(f"{path}: is not UTF-8 text (byte {error.start})") from None
-
-
-def _estimate(line: str, place: str) -> Estimate:
-    fields = line.split(",")
-    if len(fields) != 7:
-        raise InputError(f"{place}: must have the 7 fields {HEADER}, not {len(fields)}")
-    scene_id, im_id, obj_id = (
-        _whole(text, f"{place}: {key}") for text, key in zip(fields, ("scene_id", "im_id", "obj_id"), strict=False)
-    )
-    R, t_mm = _numbers(fields[4], 9, f"{place}: R"), _numbers(fields[5], 3, f"{place}: t")
-    score, time = (
-        float(_numbers(fields[3], 1, f"{place}: score")[0]),
-        float(_numbers(fields[6], 1, f"{place}: time")[0]),
-    )
-    return Estimate(scene_id, im_id, obj_id, score, motion(R, t_mm, f"{place}: R"), time)
-
-
-def _whole(text: str, place: str) -> int:
-    number = number_of(text.strip())
-    if number is None:
-        raise InputError(f"{place}: must be a whole number from 0 and below {HIGHEST}, not {text!r:.40}")
-    return number
-
-
-def _numbers(text: str, count: int, place: str) -> NDArray[np.float64]:
-    try:
-        values = [float(word) for word in text.split()]
-    except ValueError:
-        values = []
-    if len(values) != count or not all(map(math.isfinite, values)):
-        raise InputError(f"{place}: must hold {count} finite numbers with blanks between them, not {text!r:.60}")
-    return np.array(values)
-
-
-def _unequal_times(estimates: Iterable[Estimate], path: str | Path) -> list[str]:
-    """The challenge's rule: all estimates of an image state the same time, within a millisecond."""
-    times: dict[tuple[int, int], float] = {}
-    wrong = {}
-    for e in estimates:
-        key = (e.scene_id, e.im_id)
-        if abs(times.setdefault(key, e.time) - e.time) > 1e-3:
-            wrong[key] = (
-                f"{path}: time: scene {e.scene_id}, image {e.im_id}: is not the same for all estimates of the image"
-            )
-    return list(wrong.values())
 
 
 Look = Callable[["NDArray[np.uint8]", "Camera"], Sequence[tuple[str, "NDArray[np.float64]", float]]]
@@ -207,21 +115,3 @@ def _looked(
         if not (is_rigid(pose) and np.isfinite(sure)):
             raise InputError(f"{name}: the perceiver gave no rigid pose with a finite score")
     return frame.camera, found, perf_counter() - start
-
-
-def views_of(dataset: Dataset, done: Run) -> tuple[list[View], list[str]]:
-    """The views that have ground truth, those of bad frames (nothing found) among them, and a line for each truth that cannot be read."""
-    found: dict[tuple[int, int], list[Estimate]] = {}
-    for e in done.estimates:
-        found.setdefault((e.scene_id, e.im_id), []).append(e)
-    views, wrong = [], []
-    for key in dataset.listed()[0]:
-        try:
-            truths = dataset.scene(key[0]).truths(key[1])
-        except InputError as error:
-            wrong.append(str(error))
-            continue
-        if truths is not None:
-            wanted = None if dataset.targets is None else dataset.targets[key]
-            views.append(View(truths, tuple(found.get(key, ())), done.cameras.get(key), wanted))
-    return views, list(dict.fromkeys(wrong))

@@ -16,14 +16,16 @@ A model is written as BOP wants it: ``obj_000001.ply`` in millimetres with norma
     ``models_info.json``.
 """
 
-from __future__ import annotations
-
 from collections import Counter
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Any
+from pathlib import Path
+from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
+from geometry.camera import Camera
 from geometry.frames import inverse, rotate, transform_points
 from geometry.visibility.rays import RayMesh
 from kb.surfaces.symmetries import CONTINUOUS, symmetry_entries
@@ -31,17 +33,9 @@ from plogic.base.errors import InputError
 from plogic.run.bop.json_files import MM
 from plogic.run.bop.recalls import VISIBLE
 from sensing.files.whole_files import new_folder
+from sensing.simulated.body import TexturedMesh
+from sensing.simulated.camera import Rendering
 from sensing.simulated.scene import Scene, json_bytes, png
-
-if TYPE_CHECKING:
-    from collections.abc import Iterable, Mapping, Sequence
-    from pathlib import Path
-
-    from numpy.typing import NDArray
-
-    from geometry.camera import Camera
-    from sensing.simulated.body import TexturedMesh
-    from sensing.simulated.camera import Rendering
 
 
 @dataclass(frozen=True, eq=False)

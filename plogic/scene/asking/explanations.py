@@ -1,4 +1,4 @@
-"""Why, and why not: minimal sets of choices that entail a goal, as trees down to the data (§8, *explanation*; contract ``plogic explain``).
+"""Why, and why not: minimal sets of choices that entail a goal, as trees down to the data (§8, *explanation*).
 
 Vocabulary:
 
@@ -36,7 +36,9 @@ class Reason:
 
 @dataclass(frozen=True)
 class Explanation:
-    """A minimal set of ``choices`` that entails ``goal``: without any one of them there are worlds in which it is false.
+    """A minimal set of ``choices`` that entails ``goal``.
+
+    Without any one of them there are worlds in which it is false.
 
     ``probability`` is the product of its choices (ICL); ``given_evidence`` is P(choices | evidence), exact.
     """
@@ -64,7 +66,10 @@ class Covered:
 
 @dataclass(frozen=True)
 class Miss:
-    """An instance of a rule that could have given ``goal``: its conditions, how many of them cannot hold, and P(all of them | evidence)."""
+    """An instance of a rule that could have given ``goal``.
+
+    Its conditions, how many of them cannot hold, and P(all of them | evidence).
+    """
 
     goal: str
     rule: str
@@ -139,7 +144,9 @@ def _explained(subject: Subject, goal: str, given: Sequence[str], most: int, lim
 
 
 def present(subject: Subject, goal: str, *, given: Sequence[str] = ()) -> Account | None:
-    """Of ``present(h)`` in a scene: P(h | evidence) and what h's features say in the most probable world that holds it; else None.
+    """Of ``present(h)`` in a scene.
+
+    P(h | evidence) and what h's features say in the most probable world that holds it; else None.
 
     No program is run: this is fast for any number of hypotheses. Raises InconsistentError, ProgramError, and
     WidthError, as the worlds do.

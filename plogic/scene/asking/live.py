@@ -234,7 +234,7 @@ def without(situation: Situation, name: str) -> Situation:
 
 
 def _causes(held: SceneGraph, present: Sequence[str]) -> dict[str, str]:
-    """The most probable joint causes, in this world and given the evidence, of the appearances that the evidence speaks of."""
+    """The most probable joint causes, in this world and given the evidence, of the appearances in the evidence."""
     states = dict.fromkeys(range(len(held.variables)), 0) | dict(held.place[name] for name in present)
     (_, found), *_ = best(observed(held.graph, [Literal(v, frozenset({s})) for v, s in states.items()]), 1)
     return {name: "/".join(cause.states[found[cause.variable]]) for name, cause in held.causes.items()}

@@ -1,4 +1,6 @@
-"""The presence of an interpretation's hypothesis as a user wants to read it: its features' evidence, from the situation itself (§4, §5, §8).
+"""The presence of an interpretation's hypothesis as a user wants to read it.
+
+Its features' evidence, from the situation itself (§4, §5, §8).
 
 The exact explanations pick one feature at a time; this is their sum. Everything is said of one world: the most probable
 one that holds the hypothesis. Lines of text; nothing here is a probability that the program does not give.

@@ -1,4 +1,6 @@
-"""The meaning of a goal of the vocabulary on a scene's graph: a boolean formula over who is present and what causes what.
+"""The meaning of a goal of the vocabulary on a scene's graph.
+
+A boolean formula over who is present and what causes what.
 
 The goal is ground in the child process, over the program with its choices left open (``free_program``), and comes back
 as data. Layers 1, 2 and 4 of that program are those of ``program_text``; layer 3 says only what can be chosen, not how
@@ -57,7 +59,7 @@ claimed(_) :- fail. chosen(_, _) :- fail.
 
 
 def free_program(situation: Situation) -> str:
-    """Its text: every present/1, and every chosen/2 that the alternatives of causes have, is a choice with a label of no meaning."""
+    """Its text: every present/1, and every chosen/2 that alternatives of causes have, with a label of no meaning."""
     scene = Scene(situation)
     return "\n".join(_lines(Writer(scene, dependence(scene), names_of(situation)))) + "\n"
 
@@ -175,7 +177,10 @@ def meaning(
 
 
 def _direct(situation: Situation, goals: Sequence[str], given: Sequence[str]) -> Meaning | None:
-    """Where all that is said is present/1 of a hypothesis, or its negation, or ``present(H)``: nothing has to be ground."""
+    """Where all that is said is present/1 of a hypothesis, or its negation, or ``present(H)``.
+
+    Nothing has to be ground.
+    """
     ids = [h.id for h in situation.hypotheses]
     said = _spellings(ids)
     known = {_squeezed(text) for text in (*goals, *given)} - {"present(H)"}

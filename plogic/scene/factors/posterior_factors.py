@@ -53,7 +53,7 @@ class Claim(NamedTuple):
 
 
 class Datum(NamedTuple):
-    """One claimed appearance: each claim's share of its alternative, the share of noise, and the density that a share of 1 stands for."""
+    """One claimed appearance: each claim's share of its alternative, noise's share, and the density of a share of 1."""
 
     claims: list[Claim]
     shares: list[float]
@@ -72,7 +72,7 @@ def scope_of(claims: Sequence[Claim]) -> Scope:
 
 
 def add_datum(tables: Tables, datum: Datum, scope: Scope, cards: tuple[int, ...]) -> None:
-    """Σ_i N_i h_i Π_{j≠i}(1−h_j) + f Π_j(1−h_j) over the present, expected claimants, in every joint state of those who have a say."""
+    """Σ_i N_i h_i Π_{j≠i}(1−h_j) + f Π_j(1−h_j) over present, expected claimants, in every relevant joint state."""
     size = math.prod(cards)
     if size > LONGEST_LIST:
         tables.add(scope, _large(tables, datum, scope))
@@ -108,7 +108,7 @@ def _unhidden(datum: Datum, scope: Scope, cards: tuple[int, ...]) -> list[list[P
 
 
 def _joined(datum: Datum, lists: list[list[Pair]]) -> list[float]:
-    """The logs of every row: exactly one cause is one among the variables before and none here, or none before and one here."""
+    """The logs of every row: exactly one cause is before or here, so one before and none here, or the reverse."""
     last = lists.pop()
     pairs = lists[0] if lists else [NOBODY]
     for mine in lists[1:]:
@@ -177,7 +177,10 @@ def _large(tables: Tables, datum: Datum, scope: Scope) -> Table:
 
 
 class Cause(NamedTuple):
-    """The variable of an appearance's cause, and what its states say: ``(("noise",), ("h1", "roof/apex"), ...)``, in the order of Δh."""
+    """The variable of an appearance's cause, and what its states say.
+
+    ``(("noise",), ("h1", "roof/apex"), ...)``, in the order of Δh.
+    """
 
     variable: int
     states: tuple[tuple[str, ...], ...]
@@ -256,7 +259,7 @@ def _hiders(tables: Tables, cast: Cast, mine: int, names: list[str]) -> tuple[Li
 
 
 def _live(tables: Tables, scope: tuple[int, ...], claim: Claim) -> Mask:
-    """Where the claim's hypothesis is present and its feature expected, over the scope (its other axes have length 1)."""
+    """Where the claim's hypothesis is present and its feature expected, over the scope (other axes: length 1)."""
     hiders = dict(claim.hiders)
     live = np.ones((1,) * len(scope), dtype=bool)
     for axis, v in enumerate(scope):

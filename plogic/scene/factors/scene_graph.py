@@ -1,4 +1,6 @@
-"""From a situation to its factor graph: the second form of the program that ``plogic.scene.text.program_text`` writes, tested equal to it (§8).
+"""From a situation to its factor graph.
+
+The second form of the program that ``plogic.scene.text.program_text`` writes, tested equal to it (§8).
 
 A joint state of ``variables`` is a world, an assignment of present/1; its weight is the world's weight in the program.
 Causes, hits and picks are summed out; where that would take a factor over too many hypotheses, they stay as auxiliary
@@ -39,7 +41,7 @@ def add_floating(tables: Tables, cast: Cast) -> frozenset[int]:
 
 
 def _add_foot(tables: Tables, cast: Cast, name: str, holders: list[str], lower: Literal | None, unknown: float) -> None:
-    """``unknown`` = ln q where it is present, none of ``holders`` is, and ``lower`` holds, if there is such a condition."""
+    """``unknown`` = ln q where it is present, none of ``holders`` is, and the condition ``lower``, if any, holds."""
     variable, state = cast.place[name]
     holding = cast.literals(holders)
     if len(holding) > MOST_HOLDERS:

@@ -151,7 +151,7 @@ def _concordant(cast: Cast, scene: Scene, h: Hypothesis, f: FeatureFact) -> Form
 
 
 class Seen(NamedTuple):
-    """What decides a score: the scene, its graph of dependence, ε as programs carry it, and in mode `to_B` the features summed up."""
+    """What decides a score: the scene, its graph of dependence, ε as in programs, and `to_B`'s summed features."""
 
     scene: Scene
     graph: Dependence
@@ -217,7 +217,10 @@ def _columns(seen: Seen, names: tuple[str, ...]) -> dict[str, Mask]:
 
 
 def _add_block(tables: Tables, cast: Cast, seen: Seen, block: tuple[str, ...]) -> None:
-    """One alternative over the joint states S: Π_{h∈S} p_h(S) · Π_{h∉S} (1 − p_h(S)), normalised for each context of outside occluders."""
+    """One alternative over the joint states S.
+
+    Π_{h∈S} p_h(S) · Π_{h∉S} (1 − p_h(S)), normalised for each context of outside occluders.
+    """
     names = (*block, *seen.graph.outside(block))
     present, weight = _columns(seen, names), np.ones(2 ** len(names))
     for name in block:

@@ -128,12 +128,12 @@ def logs_of(weights: Iterable[float]) -> list[float]:
 
 
 def too_wide(cards: Sequence[int]) -> bool:
-    """Whether a factor over variables with so many states would span more than 2^WIDEST joint states, or more axes than are handy."""
+    """Whether a factor over so many states would span more than 2^WIDEST joint states, or too many axes."""
     return len(cards) > WIDEST or math.prod(cards) > 1 << WIDEST
 
 
 class Tables:
-    """``unary[v][s]``, ``lists[scope]`` and ``arrays[scope]`` add up what is said of a variable, and of a scope of several.
+    """``unary[v][s]``, ``lists[scope]`` and ``arrays[scope]`` add up the weights of a variable and of a scope.
 
     Scopes of up to ``LONGEST_LIST`` joint states have lists, in C order; the others arrays. ``required`` formulas hold.
     """
@@ -214,7 +214,10 @@ class Tables:
         self.add_list(scope, [float(logs[row]) for row in rows])
 
     def indicator(self, literals: Sequence[Literal]) -> int:
-        """A binary variable that is 1 where one of the literals holds: a chain of deterministic factors of three variables each."""
+        """A binary variable that is 1 where one of the literals holds.
+
+        A chain of deterministic factors of three variables each.
+        """
         last: list[Literal] = []
         for literal in literals:
             inputs, new = [literal, *last], (self.variable((0.0, 0.0)), (1,))

@@ -88,7 +88,7 @@ def _within(h: HypothesisRow | RejectedRow, bounds: Interval) -> HypothesisRow |
 
 
 def _bounded(document: Interpretation, ranking: "Ranking") -> Interpretation:
-    """Where no world is known to be possible the program may yet be smoothed (§8, trap c), and then nothing is proved."""
+    """Where no world is known to be possible the program may be smoothed (§8, trap c), and nothing is proved."""
     possible = ranking.log_evidence_interval[0] > float("-inf")
     known = {h: bounds if possible else OPEN for h, bounds in ranking.intervals.items()}
     rows = zip(document["worlds"], ranking.worlds, strict=True)

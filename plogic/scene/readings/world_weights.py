@@ -124,7 +124,10 @@ DEFAULT_PRIOR = 0.5
 
 
 class Shares(NamedTuple):
-    """The alternative of one appearance: each claimant's share, the share of noise, and the density that a share of 1 stands for."""
+    """The alternative of one appearance.
+
+    Each claimant's share, the share of noise, and the density that a share of 1 stands for.
+    """
 
     claimants: list[float]
     noise: float

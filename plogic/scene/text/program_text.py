@@ -100,7 +100,7 @@ def _picking(w: Writer, h: Hypothesis) -> Iterator[str]:
 
 
 def _joint(w: Writer, key: str, block: tuple[str, ...]) -> Iterator[str]:
-    """One alternative over the joint states S, weight Π_{h∈S} p_h(S) · Π_{h∉S} (1 − p_h(S)), for each context of outside occluders."""
+    """One alternative over joint states S, weight Π_{h∈S} p_h(S) · Π_{h∉S} (1 − p_h(S)), a context of occluders."""
     yield ""
     yield f"% {w.atoms(*block)} occlude each other in a cycle: decided jointly."
     yield from block_clauses(w, key, block)

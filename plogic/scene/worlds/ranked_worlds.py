@@ -95,7 +95,7 @@ class CauseTable:
             self._relevant[match] |= mine | hiders
 
     def causes(self, worlds: Sequence[Sequence[str]]) -> list[dict[str, str]]:
-        """For each world: appearance → ``"h1/roof/apex"`` or ``"noise"``, for every appearance, exactly one each (trap a).
+        """For each world: appearance → ``"h1/roof/apex"`` or ``"noise"``, exactly one for every appearance (trap a).
 
         Worlds differ in a few hypotheses: only what these touch is looked at anew.
         """
@@ -260,7 +260,10 @@ def ranked_worlds(situation: Situation, n: int = 10, *, seconds: float | None = 
 
 
 def ranking_of(situation: Situation, scene: SceneGraph, belief: Beliefs, found: tuple[Listed, bool]) -> Ranking:
-    """The ranking from what inference found: log weights and what is present, in any order, and whether that list is complete."""
+    """The ranking from what inference found.
+
+    Log weights and what is present, in any order, and whether that list is complete.
+    """
     listed, complete = found
     known = float(np.logaddexp.reduce([weight for weight, _ in listed])) if listed else -math.inf
     low, high = min(max(belief.log_z[0], known), belief.log_z[1]), belief.log_z[1]

@@ -1,4 +1,4 @@
-"""Case D decided (§4.4): from the unexplained data of moved views to unknown objects, noise, and what no view could tell.
+"""Case D decided (§4.4): from unexplained data of moved views to unknown objects, noise, and undecided ones.
 
 A datum has one cause. So which tracks there are is decided of all together: by a packing of greatest weight, and the
 probability of each track in it.
@@ -93,7 +93,10 @@ neighbour), or linked by others."""
 
 
 def clusters(at: Floats) -> list[Indices]:
-    """Indices of places (N, 3) m, an array a cluster: the largest first, of equally large ones that with the first place."""
+    """Indices of places (N, 3) m, an array a cluster.
+
+    The largest first, of equally large ones that with the first place.
+    """
     from scipy.cluster.hierarchy import fcluster, linkage
 
     if len(at) < 2:
@@ -119,7 +122,9 @@ def unknown_objects(
     *,
     looks: int = 2,
 ) -> Constancy:
-    """What is physical of the ``unexplained`` data (ids by view): seen at one place from two views or more, and again where it should be.
+    """What is physical of the ``unexplained`` data (ids by view).
+
+    Seen at one place from two views or more, and again where it should be.
 
     ``hidden`` says which places the known bodies hide from a view (``plogic.sequence.views.panorama``). A pure
     function of all the views: the order of data changes nothing but the numbering. Two looks: the second knows where

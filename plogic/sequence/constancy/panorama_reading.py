@@ -1,4 +1,6 @@
-"""What ``kb assimilate`` needs of a ``panorama/1``: the views with their cameras, and the unknown objects with their data.
+"""What ``kb assimilate`` needs of a ``panorama/1``.
+
+The views with their cameras, and the unknown objects with their data.
 
 The document may come from anywhere: its size is bounded, every key that is used is checked, and each mistake is one
 line.

@@ -27,7 +27,9 @@ from plogic.sequence.document import ConstancyRow
 
 @dataclass(frozen=True, eq=False)
 class PhysicalFeature:
-    """One place that looks alike from several views: its appearances' ``type``, ``at`` (3,) m, world, and its ``data``, by view.
+    """One place that looks alike from several views.
+
+    Its appearances' ``type``, ``at`` (3,) m, world, and its ``data``, by view.
 
     ``sigma`` m: the standard deviation in the direction that is known worst; ``probability``: that it is physical.
     """
@@ -92,7 +94,10 @@ def constancy_document(constancy: Constancy) -> ConstancyRow:
 
 @dataclass(frozen=True, eq=False)
 class Sighting:
-    """From where a feature was seen: ``world_from_camera`` (4, 4), the camera's focal length in pixels, the datum's angle on the screen, rad."""
+    """From where a feature was seen.
+
+    ``world_from_camera`` (4, 4), the camera's focal length in pixels, the datum's angle on the screen, rad.
+    """
 
     world_from_camera: Floats
     focal: float
@@ -158,7 +163,10 @@ def _branch(name: str, feature: SeenFeature, centroid: Floats, f_ref: float) -> 
 
 
 def draft_lobe(feature: SeenFeature, world_from_feature: Floats, f_ref: float) -> Lobe:
-    """The lobe in the feature's frame: about the mean direction to those who saw it, as wide as all of them and a margin need."""
+    """The lobe in the feature's frame.
+
+    About the mean direction to those who saw it, as wide as all of them and a margin need.
+    """
     towards = np.array([sighting.eye - feature.at for sighting in feature.sightings])
     far = np.linalg.norm(towards, axis=1)
     unit = towards / far[:, None]
@@ -227,7 +235,7 @@ whoever sees them."""
 
 
 def feature_frame(feature: SeenFeature) -> Floats:
-    """world_from_feature (3, 3): the x axis is what the angles of its data show, z as near to the mean direction to the viewpoints as can be.
+    """world_from_feature (3, 3): the x axis is along its data's angles, z nearest to the mean direction to viewpoints.
 
     The identity where a datum has no angle.
     """
@@ -247,7 +255,7 @@ def feature_frame(feature: SeenFeature) -> Floats:
 
 
 def _arrow(at: Floats, sighting: Sighting) -> tuple[Floats, Floats]:
-    """The line of sight (3,) to the feature, and the direction (3,) across it that has the datum's angle on the screen; unit, world."""
+    """The line of sight (3,) to the feature, and the direction (3,) across it of the datum's angle; unit, world."""
     frame, angle = sighting.world_from_camera[:3, :3], sighting.angle or 0.0
     sight = at - sighting.eye
     sight = sight / np.linalg.norm(sight)

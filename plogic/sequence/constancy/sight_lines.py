@@ -1,4 +1,6 @@
-"""The unexplained data of a sequence as arrays, lines of sight from known places; and where tracks of them triangulate to.
+"""The unexplained data of a sequence as arrays, lines of sight from known places.
+
+And where tracks of them triangulate to.
 
 Vocabulary: a ``View`` is one image, ``View("v1", Gamma(...), world_from_camera)``; a ``Sights`` holds V views of at
 most N data each; a *track* is a row (V,) of indices, one datum a view at most, -1 for none; ``Places``, of T tracks:
@@ -27,7 +29,10 @@ CLUTTER = 1.0
 
 @dataclass(frozen=True, eq=False)
 class View:
-    """One image of a sequence: ``id`` ('v1'), its Γ, and where its camera stood: ``world_from_camera`` (4, 4), metres, world z up."""
+    """One image of a sequence: ``id`` ('v1'), its Γ, and where its camera stood.
+
+    ``world_from_camera`` (4, 4), metres, world z up.
+    """
 
     id: str
     gamma: Gamma
@@ -180,7 +185,7 @@ class _Observed(NamedTuple):
 
 
 def places_of(sights: Sights, tracks: Indices, kind: Indices) -> Places:
-    """The places of ``tracks`` (T, V) of appearance types ``kind`` (T,), two data each at least, by least squares on the images."""
+    """The places of ``tracks`` (T, V) of appearance types ``kind`` (T,), two data or more, by least squares."""
     if not len(tracks):
         none = np.zeros(0)
         return Places(

@@ -38,7 +38,7 @@ class Tracks(Columns):
 
 
 def tracks_of(sights: Sights) -> Tracks:
-    """Pairs that meet, and what each becomes by taking up, view after view, the datum nearest to where its place is seen; each once.
+    """Pairs that meet, each followed view after view by the datum nearest to its place's image; each once.
 
     Pairs of views that follow each other go first. Others that lie within what those became, of ``STRONG`` data or
     more, would become the same.
@@ -85,7 +85,7 @@ def _within(tracks: Indices, pairs: Indices) -> Mask:
 
 
 def _plausible(sights: Sights, data: Indices) -> Tracks:
-    """Those in front of their cameras, at a depth that is sought, with parallax enough, whose residuals are no larger than noise makes them."""
+    """Those in front of their cameras, at a sought depth, with parallax enough and residuals as of noise."""
     from scipy.special import chdtri
 
     kind = _kinds(sights, data)
@@ -122,7 +122,7 @@ def _taken_up(sights: Sights, tracks: Tracks, v: int) -> Indices:
 
 
 def _squared(sights: Sights, tracks: Tracks, v: int) -> Floats:
-    """(T, N) squared Mahalanobis distances of a view's data from where the tracks' places are seen, by the places' own uncertainty too."""
+    """(T, N) squared Mahalanobis distances of a view's data from the tracks' images, by places' uncertainty too."""
     R, t = sights.camera_from_world[v, :3, :3], sights.camera_from_world[v, :3, 3]
     points = tracks.places.at @ R.T + t
     safe = np.where(points[:, 2:] > DEPTHS[0] / 10, points[:, 2:], np.nan)
@@ -163,7 +163,7 @@ def _between(sights: Sights, i: int, j: int) -> Indices:
 
 
 def sampson(sights: Sights, i: int, j: int, a: Indices, b: Indices) -> Floats:
-    """(T,) squared distance from the epipolar lines, in variances, of the data ``a`` (T,) of view i and ``b`` (T,) of view j."""
+    """(T,) squared distance from the epipolar lines, in variances, of data ``a`` (T,) of view i, ``b`` (T,) of j."""
     relative = sights.camera_from_world[j] @ np.linalg.inv(sights.camera_from_world[i])
     essential = _crossing(relative[:3, 3]) @ relative[:3, :3]
     one, two = (np.column_stack([sights.xy[v, which], np.ones(len(which))]) for v, which in ((i, a), (j, b)))

@@ -51,7 +51,9 @@ class Company:
     reach: float
 
     def log_place(self, tracks: Tracks, elsewhere: Floats) -> Floats:
-        """The logarithms of p(X̂) (T,) with ``elsewhere`` (T,) being that of the first look: half of it, and half normal about each certain place.
+        """The logarithms of p(X̂) (T,) with ``elsewhere`` (T,) being that of the first look.
+
+        Half of it, and half normal about each certain place.
 
         A track does not keep itself company: certain ones that share a datum with it say nothing of it.
         """
@@ -166,7 +168,7 @@ TRACKS_TURNED = 2000
 
 
 def log_turns(sights: Sights, tracks: Tracks) -> Floats:
-    """(T,) ln of the density of the tracks' angles, the first of each given, if a direction in space causes them, against any angle alike.
+    """(T,) ln density of the tracks' angles given the first, if one direction causes them, over any angle alike.
 
     The direction is anywhere on the sphere, a priori. 0 where the KB says nothing of angles (``sigma_angle``), or a
     datum has none.
@@ -203,7 +205,10 @@ def _turns(sights: Sights, at: Floats, angles: Floats, sigma: float) -> Floats:
 
 
 def _half_circle(camera_from_world: Floats, at_camera: Floats, angle: Floats, theta: Floats) -> Floats:
-    """(T, S, 3) unit, world: what has the ``angle`` (T,) on the screen at places (T, 3), at ``theta`` (S,) from the line of sight."""
+    """(T, S, 3) unit, world: directions with ``angle`` (T,) on the screen at places (T, 3), at ``theta`` (S,).
+
+    ``theta`` is from the line of sight.
+    """
     ray = at_camera / np.linalg.norm(at_camera, axis=1, keepdims=True)
     aside = np.stack([np.cos(angle), np.sin(angle), np.zeros(len(angle))], axis=1)
     aside -= (aside * ray).sum(axis=1, keepdims=True) * ray

@@ -1,1 +1,1 @@
-"""Looking ahead: what a camera elsewhere would see in each world, and how much that would tell (§7, where to look next)."""
+"""Looking ahead: what a camera elsewhere would see in each world, and how much that would tell (§7)."""

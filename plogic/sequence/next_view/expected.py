@@ -29,7 +29,7 @@ from plogic.facts.hypothesis import Seen, expected
 
 @dataclass(frozen=True, eq=False)
 class Cloud:
-    """How a type is seen: F ``features`` by id, their ``kinds`` (types), L lobes (§2.7), and how often each is reported, ``hit`` (L,).
+    """How a type is seen: F ``features`` by id, their ``kinds`` (types), L lobes (§2.7), and hit rates ``hit`` (L,).
 
     ``rays``: its surface, None where it has none. ``middle`` (3,) and ``radius``, m, object frame. ``slack``, m: how
     far before a feature the surface must be met to hide it (§3.4); ``measured``: lobes were measured on the body
@@ -130,7 +130,7 @@ class Sightings:
 
 
 class _Alone(NamedTuple):
-    """Of one body alone: which features would be expected (M,), where in the camera frame (M, 3), how they look (M, T) and how often (M,)."""
+    """Of one body: expected features (M,), their places (M, 3) in the camera frame, looks (M, T), rates (M,)."""
 
     feature: Indices
     at: Floats
@@ -202,7 +202,10 @@ def _hidden(which: int, at: Floats, poses: list[Floats], prospect: Prospect) -> 
 
 
 def _beside(cloud: Cloud, pose: Floats, at: Floats) -> bool:
-    """Whether no line of sight to the features (M, 3) comes near the ball around a body: then there is nothing to cast."""
+    """Whether no line of sight to the features (M, 3) comes near the ball around a body.
+
+    Then there is nothing to cast.
+    """
     middle = transform_points(pose, cloud.middle[None])[0]
     length = np.linalg.norm(at, axis=1)
     along = np.clip(at @ middle / np.maximum(length, 1e-12), 0.0, length)
@@ -236,7 +239,10 @@ def sites(seen: Sightings, prospect: Prospect, camera: Camera) -> Sites:
 
 
 def _merged(seen: Sightings, tolerance: float) -> tuple[Indices, int]:
-    """The site (N,) of each sighting, and their number: whatever lies near and shares a type, and what lies near that, in no order."""
+    """The site (N,) of each sighting, and their number.
+
+    Whatever lies near and shares a type, and what lies near that, in no order.
+    """
     from scipy.sparse import coo_matrix
     from scipy.sparse.csgraph import connected_components
     from scipy.spatial import cKDTree
@@ -254,7 +260,7 @@ def _merged(seen: Sightings, tolerance: float) -> tuple[Indices, int]:
 
 
 def _clutter(seen: Sightings, of: Indices, count: int, prospect: Prospect, camera: Camera) -> Floats:
-    """(S,) the expected number of data of clutter within the tolerance of a site, of the types that it may be reported as."""
+    """(S,) the expected number of data of clutter within the tolerance of a site, of the types it may report."""
     looks = np.zeros((count, len(seen.names)), bool)
     np.logical_or.at(looks, of, seen.looks)
     density = np.array([prospect.clutter.get(name, 1.0) for name in seen.names]) / float(camera.width * camera.height)

@@ -45,7 +45,10 @@ class Gain(NamedTuple):
 
 
 class _Told(NamedTuple):
-    """C classes of worlds alike, G groups of sites alike: P(class) (C,), P(answer | class) (C, A), sites (G,), report (C, G)."""
+    """C classes of worlds alike, G groups of sites alike.
+
+    P(class) (C,), P(answer | class) (C, A), sites (G,), report (C, G).
+    """
 
     mass: Floats
     answers: Floats
@@ -61,7 +64,10 @@ def entropy(p: Floats, axis: int = -1) -> Floats:
 
 
 def gain(probability: Floats, report: Floats, answers: Floats | None = None, seed: int = 0) -> Gain:
-    """I(W; Z), or I(T; Z) where ``answers`` (W, A) are P(answer | w): of worlds (W,) and independent sites that report with (W, S)."""
+    """I(W; Z), or I(T; Z) where ``answers`` (W, A) are P(answer | w).
+
+    Of worlds (W,) and independent sites that report with (W, S).
+    """
     alike = np.round(report, SAME)
     differs = np.flatnonzero(np.ptp(alike, axis=0) > 0.0) if len(alike) else np.zeros(0, np.intp)
     if not len(differs):
@@ -155,7 +161,10 @@ def answers_in(situation: Situation, worlds: Sequence[Sequence[str]], goal: str)
 
 
 def _by_graph(situation: Situation, worlds: Sequence[Sequence[str]], goal: str) -> list[dict[str, float]]:
-    """The goal's answers in each world, from the factor graph: what the goal and each hypothesis' presence mean is worked out once."""
+    """The goal's answers in each world, from the factor graph.
+
+    What the goal and each hypothesis' presence mean is worked out once.
+    """
     scene, rows = LiveScene(situation), []
     for present in worlds:
         scene.given = tuple(_given(situation, present))
@@ -182,7 +191,7 @@ LEAST = 1e-3
 
 
 class Reason(NamedTuple):
-    """Sites alike: how many, in worlds of which ``mass`` they are expected, the ``bits`` that the best of them alone would tell, and the sentence."""
+    """Sites alike: their number, the ``mass`` of worlds that expect them, the best one's ``bits``, the sentence."""
 
     sites: int
     mass: float

@@ -1,4 +1,6 @@
-"""Candidate camera moves: a ring around the scene's middle, all within a distance, or a list of one's own (``geometry.files.pose_files``).
+"""Candidate camera moves: a ring around the scene's middle within a distance, or a list of one's own.
+
+A list is read by ``geometry.files.pose_files``.
 
 * ``Candidate``: a camera's pose by name, ``Candidate("ring 90°", reference_from_camera)``
 """
@@ -77,7 +79,7 @@ def turned_to(eye: Floats, middle: Floats, up: Floats) -> Floats:
 def ring(
     prospect: Prospect, stand: Stand, radius: float | None = None, places: int = RING
 ) -> tuple[list[Candidate], MovesRow]:
-    """Places around the scene's middle at the present height, the present one aside, evenly apart and turned to the middle.
+    """Places around the scene's middle at the present height, the present one aside, evenly apart, turned inward.
 
     ``radius``: m from the axis through the middle, by default the present one. None where nothing may be there, or the
     camera is on the axis.

@@ -1,4 +1,6 @@
-"""Read what an ``interpretation/1`` or a ``panorama/1`` leaves open, as a prospect: its worlds, and how the types in them are seen.
+"""Read what an ``interpretation/1`` or a ``panorama/1`` leaves open, as a prospect.
+
+Its worlds, and how the types in them are seen.
 
 The worlds of a panorama are those of all views, told from where the last one stood. How a type is seen is told by the
 interpretation of any view that had it in Δh.

@@ -1,4 +1,6 @@
-"""What several views say together: one Situation over all their data, whose worlds are those of the place, not of an image (§8).
+"""What several views say together.
+
+One Situation over all their data, whose worlds are those of the place, not of an image (§8).
 
 The hypotheses stand in the world, the same in every view. A view adds the features that it expects of them and the data
 that it has; given the world, views are independent. Priors count once, and so does what a pose owes to its freedom
@@ -59,7 +61,7 @@ class _Member(NamedTuple):
 
 
 def merged(found: Sequence[Found], models: Mapping[str, TypeModel], kb: KnowledgeBase) -> list[Standing]:
-    """The distinct hypotheses of all views, each where it explains all views' data best, of the places at which any view has something like it.
+    """The distinct hypotheses of all views, each at the view's place that explains all views' data best.
 
     Tried are the poses of its own views, one through all their matches, and those of what else may stand there: what
     looks alike fits alike.
@@ -124,7 +126,9 @@ class _Known(NamedTuple):
 def joint(
     seen: Sequence[Seen], standing: Sequence[Standing], perceiver: Perceiver, options: Options
 ) -> tuple[Joint, Ranking]:
-    """Judge hypotheses in all views, each refined on what all views show of it: Δi is what is present in the most probable world.
+    """Judge hypotheses in all views, each refined on what all views show of it.
+
+    Δi is what is present in the most probable world.
 
     What is matched depends on what Δi is: so they are judged again where the worlds say that it is another, ``AGAIN``
     times at most. Raises ValueError without a view.
@@ -163,7 +167,10 @@ def _judged(
 def _apart(
     ordered: Sequence[Standing], first: int, posed: list[list[Hypothesis]], seen: Sequence[Seen], kb: KnowledgeBase
 ) -> tuple[Sequence[Standing], list[list[Hypothesis]]]:
-    """Hypotheses, and how views show them, moved out of each other (A4): Δi all together, each rival out of those that it does not exclude."""
+    """Hypotheses, and how views show them, moved out of each other (A4).
+
+    Δi all together, each rival out of those that it does not exclude.
+    """
     last, world_from_camera = posed[-1], seen[-1].view.world_from_camera
     columns, there = list(zip(*posed, strict=True)), list(last)
     told = cache(lambda i: _together(columns[i], seen, kb))
@@ -208,7 +215,10 @@ def _together(posed: Sequence[Hypothesis], seen: Sequence[Seen], kb: KnowledgeBa
 
 
 def _ordered(standing: Sequence[Standing], seen: Sequence[Seen], kb: KnowledgeBase) -> tuple[list[Standing], int]:
-    """The hypotheses, those of Δi first, and how many these are: the heaviest over all views, and each next that none of them excludes."""
+    """The hypotheses, those of Δi first, and how many these are.
+
+    The heaviest over all views, and each next that none of them excludes.
+    """
     alone = [[seen_alone(some, one, kb) for one in seen] for some in standing]
     worth = [sum(evidence(posed, one.data, kb).ratio for posed, one in zip(mine, seen, strict=True)) for mine in alone]
     order = sorted(range(len(standing)), key=lambda i: -worth[i])

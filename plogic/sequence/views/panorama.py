@@ -82,7 +82,7 @@ class Known:
 
 @dataclass(frozen=True, eq=False)
 class Look:
-    """What one view came to: the interpretation document, what Δp led to expect, what is gone, the ids of data that nobody explains."""
+    """What one view came to: the interpretation document, expectations of Δp, losses, ids of unexplained data."""
 
     view: View
     interpretation: Interpretation
@@ -137,14 +137,20 @@ class Panorama:
         self.usual = {name: max(here[name], self.usual.get(name, 0)) for name in sorted({*here, *self.usual})}
 
     def predicted(self, view: View) -> tuple[ExpectedRow, ...]:
-        """What anticipated motion leads to expect: of each object of Δp that should be seen from there, as ``panorama/1`` says it."""
+        """What anticipated motion leads to expect.
+
+        Of each object of Δp that should be seen from there, as ``panorama/1`` says it.
+        """
         return self._foreseen(self.expected(view))
 
     def _foreseen(self, expected: Sequence[tuple[Known, Hypothesis]]) -> tuple[ExpectedRow, ...]:
         return tuple(_told(known, posed, self.perceiver) for known, posed in expected)
 
     def expected(self, view: View) -> list[tuple[Known, Hypothesis]]:
-        """What of Δp should be seen from here, the surest first: of which ``FEWEST`` features or more are expected (D7). Γ is not looked at."""
+        """What of Δp should be seen from here, the surest first.
+
+        Of which ``FEWEST`` features or more are expected (D7). Γ is not looked at.
+        """
         blank = Seen(view, data_of((), view.gamma.camera, self.perceiver.width))
         posed = [(known, seen_alone(known.standing, blank, self.perceiver.kb)) for known in self.known]
         return [
@@ -189,7 +195,7 @@ class Panorama:
     def _update(
         self, believed: Sequence[tuple[Standing, float]], cycle: Cycle, view: View, in_view: Sequence[str]
     ) -> None:
-        """Δp after a view: what is believed, under its old name where it has one, and what no view of the window shows, as it was."""
+        """Δp after a view: what is believed, under its old name if any, and what no view of the window shows."""
         kept = [known for known in self.known if not self._shown(known.standing)]
         others = [known for known in self.known if self._shown(known.standing)]
         there = [standing_of(b, view, self.perceiver.models) for b in cycle.accepted]
@@ -206,7 +212,10 @@ class Panorama:
 
 
 def _aged(old: Known, standing: Standing, chance: float, there: Sequence[Standing], view: View, *, here: bool) -> Known:
-    """The same object after one more view, in which it was found or was expected (``here``), or which did not show it; ``there``: Δi of that view."""
+    """The same object after one more view, in which it was found or was expected (``here``), or which did not show it.
+
+    ``there``: Δi of that view.
+    """
     names = [f"h{i}" for i, some in enumerate(there, 1) if standing.same(some, view)]
     by_view = {**old.by_view, **({view.id: names[0]} if names else {})}
     if names or here:
@@ -272,7 +281,10 @@ FORMAT: Final = "panorama/1"
 def panorama_document(
     panorama: Panorama, looks: Sequence[tuple[str, Look]], foreseen: Sequence[AheadRow] = ()
 ) -> document.Panorama:
-    """The document of a sequence: ``looks`` with their frames' names, and what is ``foreseen`` where nothing was seen yet."""
+    """The document of a sequence.
+
+    ``looks`` with their frames' names, and what is ``foreseen`` where nothing was seen yet.
+    """
     kb, joined = panorama.perceiver.kb, _worlds(panorama)
     last = looks[-1][1].view.id if looks else ""
     objects = [_object(known, last) for known in panorama.known]
@@ -316,7 +328,10 @@ def _object(known: Known, last: str) -> ObjectRow:
 
 
 def _worlds(panorama: Panorama) -> Joined:
-    """The possible worlds of the last views together: Δh by name, an object's own or one of its rivals', which are rivals, and which are present."""
+    """The possible worlds of the last views together.
+
+    Δh by name, an object's own or one of its rivals', which are rivals, and which are present.
+    """
     if panorama.joint is None or panorama.ranking is None:
         return {"hypotheses": [], "rivals": [], "worlds": [], "unlisted_mass": [0.0, 0.0]}
     standing = {f"h{i}": some for i, some in enumerate(panorama.joint.standing, 1)}
@@ -342,7 +357,10 @@ def _worlds(panorama: Panorama) -> Joined:
 
 
 def _open(joined: Joined) -> Joined:
-    """The same where the search of some view was stopped: what was not found there may stand in the place of anything."""
+    """The same where the search of some view was stopped.
+
+    What was not found there may stand in the place of anything.
+    """
     return {
         **joined,
         "hypotheses": [{**row, "interval": list(OPEN)} for row in joined["hypotheses"]],

@@ -76,7 +76,9 @@ def seen_alone(standing: Standing, seen: Seen, kb: KnowledgeBase) -> Hypothesis:
 def seen_beside(
     standing: Sequence[Standing], alone: Sequence[Hypothesis], first: int, seen: Seen, kb: KnowledgeBase
 ) -> list[Hypothesis]:
-    """All hypotheses in one view, where the ``first`` of them are in Δi: none of these takes a datum of another, and what one hides is not expected.
+    """All hypotheses in one view, where the ``first`` of them are in Δi.
+
+    None of these takes a datum of another, and what one hides is not expected.
 
     A rival is matched as if those that it excludes were not there. ``alone``: the same, as ``seen_alone`` gives them.
     """
@@ -121,7 +123,9 @@ ROUNDS = 2
 
 
 def sharpened(cycle: Cycle, left: Gamma, data: Data, right: Gamma, pair: Pair, perceiver: Perceiver) -> Cycle:
-    """The outcome of a cycle over the left image, what it accepted refined on both: features are matched in the right one where they project.
+    """The outcome of a cycle over the left image, what it accepted refined on both.
+
+    Features are matched in the right one where they project.
 
     ``data``: the left Γ as arrays. What is present, and its rivals, stay.
     """

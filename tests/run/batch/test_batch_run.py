@@ -12,13 +12,13 @@ from pathlib import Path
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from plogic.face.commands import batch as progress
+from plogic.face.commands.batch import Progress, duration
 from plogic.run.batch import frames_run as run
-from plogic.run.batch import progress
 from plogic.run.batch.frame_lines import Lines as Made
 from plogic.run.batch.frames import Frame, Settings
 from plogic.run.batch.frames_run import Waiting
 from plogic.run.batch.pool import Answer
-from plogic.run.batch.progress import Progress, duration
 
 
 class Shuffled:

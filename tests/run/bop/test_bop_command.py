@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 from bop_folders import dataset, put, truth
 from click.testing import CliRunner
+from results_reader import read_results
 
 from plogic.base.errors import InputError, ProgramError
 from plogic.face.commands.bop import bop_command
@@ -13,7 +14,8 @@ from plogic.face.commands.clicked import bop
 from plogic.face.shown.options import Scoring
 from plogic.run.bop.dataset import open_dataset
 from plogic.run.bop.models import ids_of, read_ids, unknown
-from plogic.run.bop.results_file import HEADER, read_results, run, views_of
+from plogic.run.bop.recalls import views_of
+from plogic.run.bop.results_file import HEADER, run
 
 IDS = {"t1": 1, "t2": 2}
 OPTIONS = {"ids": None, "timed": False, "as_json": False}

@@ -8,6 +8,7 @@ import cv2
 import numpy as np
 import pytest
 import trimesh
+from results_reader import read_results
 
 from geometry.camera import Camera
 from geometry.frames import from_rotation_translation, inverse, look_at, rotation_from_quat_xyzw
@@ -19,7 +20,7 @@ from plogic.face.shown.options import Scoring
 from plogic.run.bop.dataset import open_dataset
 from plogic.run.bop.models import read_models
 from plogic.run.bop.recalls import View, score
-from plogic.run.bop.results_file import Estimate, read_results, results_text
+from plogic.run.bop.results_file import Estimate, results_text
 from plogic.run.bop.write import Kind, box_of, diameter, gt_info, model_info, silhouette, write_dataset
 from sensing.errors import SensingError
 from sensing.simulated.body import Body, TexturedMesh
