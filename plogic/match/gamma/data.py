@@ -11,7 +11,7 @@ image's centre.
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, fields
 from functools import cached_property
-from typing import Any, Self
+from typing import TYPE_CHECKING, Any, Self
 
 import numpy as np
 from numpy.typing import NDArray
@@ -21,7 +21,9 @@ from geometry.camera import Camera
 from kb.clouds.words import POINT, SIDE, WIDTHS
 from plogic.match.gamma.grid import Grid, grid_of
 from plogic.match.gamma.side_looks import contrasts_of
-from sensing.appearance import Appearance
+
+if TYPE_CHECKING:  # what makes a type ready does not see Γ
+    from sensing.appearance import Appearance
 
 ENTRIES = 2**20
 """Entries of a block, one row at least: 8 MB of each array of floats; of the dozen that a search has at a time about
@@ -167,7 +169,7 @@ def ideal_camera(camera: Camera) -> Camera:
     return Camera(camera.width, camera.height, np.array([[camera.f, 0.0, x], [0.0, camera.f, y], [0.0, 0.0, 1.0]]))
 
 
-def data_of(appearances: Sequence[Appearance], camera: Camera, width: int = 138) -> Data:
+def data_of(appearances: Sequence["Appearance"], camera: Camera, width: int = 138) -> Data:
     """Pack appearances into arrays, undistorting their places.
 
     ``width``: bytes of those descriptors that the KB's words are made of; colours count where all have them.
@@ -201,14 +203,14 @@ def data_of(appearances: Sequence[Appearance], camera: Camera, width: int = 138)
     )
 
 
-def _bytes_of(appearances: Sequence[Appearance], which: Mask, width: int) -> NDArray[np.uint8]:
+def _bytes_of(appearances: Sequence["Appearance"], which: Mask, width: int) -> NDArray[np.uint8]:
     """(A, width) the first bytes of the descriptors ``which`` (A,), zeros for the others."""
     rows = zip(appearances, which, strict=True)
     whole = b"".join((a.descriptor or b"")[:width] if has else bytes(width) for a, has in rows)
     return np.frombuffer(whole, np.uint8).reshape(len(appearances), width)
 
 
-def _depths_of(appearances: Sequence[Appearance]) -> tuple[Floats | None, Floats | None]:
+def _depths_of(appearances: Sequence["Appearance"]) -> tuple[Floats | None, Floats | None]:
     """Depths and their standard deviations (A,), or None where there are none."""
     if all(a.depth is None for a in appearances):
         return None, None

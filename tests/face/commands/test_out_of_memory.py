@@ -33,7 +33,7 @@ def large(tmp_path_factory):
     """An interpretation with a long trace, and a Γ of as many appearances as one may have."""
     folder = tmp_path_factory.mktemp("large")
     small = json.loads(good("perceive", EXAMPLES / "first_gamma.json", "--kb", "first"))
-    (folder / "interpretation.json").write_text(json.dumps(small | {"trace": small["trace"] * 4000}))
+    (folder / "interpretation.json").write_text(json.dumps(small | {"trace": small["trace"] * 30_000}))
     camera = {"width": 640, "height": 480, "K": [[600, 0, 320], [0, 600, 240], [0, 0, 1]], "dist": []}
     rows = [
         {"id": f"a{i}", "type": "l_junction", "uv": [i % 640, i // 640], "detector": "junction", "angle": 0.1}
