@@ -1,4 +1,6 @@
-"""What an interpretation carries along: the image and the meshes, up to a stated size, and how its types are seen (§2.7).
+"""What an interpretation carries along.
+
+The image and the meshes, up to a stated size, and how its types are seen (§2.7).
 
 How a type is seen, from where which feature is reported as what and how often, is what looking ahead reads.
 
@@ -29,7 +31,10 @@ DIRECTIONS.setflags(write=False)
 
 
 def sensing_document(kb: KnowledgeBase) -> SensingRow:
-    """What holds of the detector whatever is there: focal length of reference, tolerance (pixels), data of clutter an image by type."""
+    """What holds of the detector whatever is there.
+
+    Focal length of reference, tolerance (pixels), data of clutter an image by type.
+    """
     return {
         "f_ref": kb.f_ref,
         "match_tolerance": kb.rates.match_tolerance,
@@ -38,7 +43,7 @@ def sensing_document(kb: KnowledgeBase) -> SensingRow:
 
 
 def types_document(types: Mapping[str, ObjectType], kb: KnowledgeBase) -> dict[str, TypeRow]:
-    """By type: its ``features`` as [id, type, x, y, z], the appearance types ``looks``, and ``lobes`` as rows of numbers.
+    """By type: its ``features`` as [id, type, x, y, z], its ``looks``, and ``lobes`` as rows of numbers.
 
     A lobe is [feature, look, axis x, y, z, half angle, least and greatest distance, hit rate]; metres, radians, object
     frame, rounded.
@@ -133,7 +138,10 @@ def mesh_assets(types: Mapping[str, ObjectType]) -> AssetsRow:
 def _carried(
     vertices: NDArray[np.float64], triangles: NDArray[np.intp]
 ) -> tuple[NDArray[np.float64], NDArray[np.intp], float]:
-    """The mesh, few enough triangles of it, and the diagonal of the cells that its vertices were made one in: 0 where they were not."""
+    """The mesh, few enough triangles of it, and the diagonal of the cells that its vertices were made one in.
+
+    0 where they were not.
+    """
     if len(triangles) <= MOST_TRIANGLES:
         return vertices, triangles, 0.0
     for cells in GRIDS:

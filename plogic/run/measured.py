@@ -1,4 +1,6 @@
-"""The measures of one interpretation side by side: ev in each mode, Shanahan's value, the posterior, distinctiveness and rank (§5).
+"""The measures of one interpretation side by side.
+
+Ev in each mode, Shanahan's value, the posterior, distinctiveness and rank (§5).
 
 Vocabulary, each with an example value:
 
@@ -139,7 +141,10 @@ def _detected(h: Hypothesis) -> Iterable[FeatureFact]:
 
 
 def _noise(situation: Situation, tolerance: float) -> dict[str, float]:
-    """By appearance, P(clutter of its type lies within the match tolerance of a place): what it takes to call the datum noise."""
+    """By appearance, P(clutter of its type lies within the match tolerance of a place).
+
+    What it takes to call the datum noise.
+    """
     return {a.id: max(-expm1(-a.clutter * pi * tolerance**2), LEAST) for a in situation.appearances}
 
 
@@ -154,7 +159,10 @@ def _shanahan(h: Hypothesis, situation: Situation, noise: Mapping[str, float]) -
 
 
 def _abducibles(h: Hypothesis, situation: Situation, noise: Mapping[str, float]) -> list[float]:
-    """Priors of what "it stands there, and nothing else" takes on: the object, each hit, each miss, and noise for the data left over."""
+    """Priors of what "it stands there, and nothing else" takes on.
+
+    The object, each hit, each miss, and noise for the data left over.
+    """
     expected = [f for f in h.features if f.in_image and h.expects(f)]
     hits = [f.hit_rate if f.match is not None else 1.0 - f.hit_rate for f in expected]
     taken = {f.match for f in expected if f.match is not None}

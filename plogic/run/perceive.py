@@ -104,7 +104,10 @@ class Perceiver:
         return marked(document, ranking, stopped) if stopped else document
 
     def accepted(self, gamma: Gamma) -> list[tuple[Hypothesis, float]]:
-        """What is accepted of one Γ, with its probability: what the interpretation document says of it, where nobody reads the rest."""
+        """What is accepted of one Γ, with its probability.
+
+        What the interpretation document says of it, where nobody reads the rest.
+        """
         data, cycle = self.cycle(gamma, Options(), Stopwatch())
         delta = delta_of(cycle, data, self.kb, self.dv, Options(), related=False)
         delta, ranking = ranked(delta, cycle.trace.document())
@@ -148,7 +151,7 @@ class Perceiver:
 
 
 def perceiver_of(kb: KnowledgeBase, generator: str = FAST, processes: int | None = None) -> Perceiver:
-    """A perceiver whose index is kept between runs, with as many processes as this machine can lend where no number is said."""
+    """A perceiver whose index is kept between runs, with the stated processes or those that the machine can lend."""
     return Perceiver(kb, cache_folder("indices"), processors() if processes is None else processes, generator)
 
 

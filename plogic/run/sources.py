@@ -1,4 +1,7 @@
-"""Where commands take their input from: knowledge bases, interpretations, programs, and Γ, its file or an image and its camera."""
+"""Where commands take their input from.
+
+Knowledge bases, interpretations, programs, and Γ, its file or an image and its camera.
+"""
 
 import sys
 from pathlib import Path

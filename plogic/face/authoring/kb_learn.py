@@ -1,4 +1,4 @@
-"""``plogic kb learn``: features of types from their textured meshes, and the turns of a shape that its texture keeps."""
+"""``plogic kb learn``: features of types from their textured meshes, and the symmetries that a texture keeps."""
 
 import json
 from collections.abc import Callable, Iterable, Mapping, Sequence
@@ -100,7 +100,7 @@ def _fault(kind: ObjectType) -> str | None:
 
 
 def check_detector(kb_folder: str, kb: KnowledgeBase, detector: str, fresh: Iterable[str]) -> None:
-    """Raise InputError where clouds that stay, those of types that are not ``fresh``, were learned with another detector."""
+    """Raise InputError where clouds that stay, of types that are not ``fresh``, were learned with another detector."""
     mixed = sorted(
         {detector, *(kind.learned.detector for kind in kb.types if kind.learned is not None and kind.name not in fresh)}
     )
@@ -123,7 +123,9 @@ def row_of(name: str, cloud: LearnedCloud) -> dict[str, Any]:
 
 
 def files_of(folder: Path, words: Words, clouds: Mapping[str, LearnedCloud]) -> dict[Path, bytes]:
-    """All that is written into a KB's folder: words, every cloud (its words are new), and the lines that name them, where none does yet.
+    """All that is written into a KB's folder.
+
+    Words, every cloud (its words are new), and the lines that name them, where none does yet.
 
     Raises:
         InputError: two types name one file for their clouds, or a YAML file is written so that no line can be added.
@@ -142,7 +144,10 @@ def files_of(folder: Path, words: Words, clouds: Mapping[str, LearnedCloud]) -> 
 
 
 def _named(file: Path, key: str, data: bytes) -> dict[Path, bytes]:
-    """The data under the name that a YAML file gives them; where it gives none, under the usual one, and the file with a line that does."""
+    """The data under the name that a YAML file gives them.
+
+    Where it gives none, under the usual one, and the file with a line that does.
+    """
     content = file.read_bytes()
     entry = load(str(file), content).data.get(key)
     if entry:
@@ -154,7 +159,10 @@ KEPT = "symmetries: as object.yaml states them"
 
 
 def symmetries_of(kind: ObjectType, cloud: LearnedCloud, options: Learning, say: Callable[[str], None]) -> list[Trial]:
-    """A trial for each turn of the type's shape; new pictures of it are taken where the cloud alone does not rule all of them out."""
+    """A trial for each turn of the type's shape.
+
+    New pictures of it are taken where the cloud alone does not rule all of them out.
+    """
     if kind.surface is None:
         return []
     cloud = cloud.keypoints
@@ -201,7 +209,7 @@ def written(files: dict[Path, bytes], found: Mapping[Path, Sequence[Trial]]) -> 
 
 
 def symmetry_rows(tried: Sequence[Trial]) -> list[dict[str, Any]]:
-    """For programs: ``share`` and ``control`` of the cloud alone, ``ratio`` of what new pictures show of it turned and unturned."""
+    """For programs: ``share`` and ``control`` of the cloud alone, ``ratio`` of new pictures turned and unturned."""
     return [
         {
             "turn": str(trial.turn),

@@ -1,4 +1,6 @@
-"""What ``plogic kb learn`` does for one type: render it from all around, look with the detector of run time, and make a cloud of what was seen.
+"""What ``plogic kb learn`` does for one type.
+
+Render it from all around, look with the detector of run time, and make a cloud of what was seen.
 
 All that decides a cloud is here or imported from here.
 """
@@ -118,7 +120,8 @@ def _progress(text: str) -> None:
 DECIDES = "plogic/face/authoring/kb_learn_look.py"
 """What makes a cloud, with all that it imports."""
 LIBRARIES = ("numpy", "scipy", "embreex", "trimesh")
-"""They read, render and compute. OpenCV, which detects, and pybullet, which draws where it is installed, come under several names."""
+"""They read, render and compute. OpenCV, which detects, and pybullet, which draws where it is installed, come under
+several names."""
 
 
 def learned_of(
@@ -156,7 +159,10 @@ def learned_of(
 
 
 def _kept(content: bytes) -> LearnedCloud:
-    """The cloud of a file; raises CloudError where it is not what was written: an archive's own checksums are of its arrays, not of their names."""
+    """The cloud of a file; raises CloudError where it is not what was written.
+
+    An archive's own checksums are of its arrays, not of their names.
+    """
     cloud = read_cloud(content)
     if cloud_bytes(cloud) != content:
         raise CloudError("is not what was written")
@@ -164,7 +170,7 @@ def _kept(content: bytes) -> LearnedCloud:
 
 
 def key_of(mesh: TexturedMesh, how: tuple[Any, ...]) -> str:
-    """SHA-256 over a mesh with its paint, ``how`` it is learned, the source that learns, and the versions of the libraries."""
+    """SHA-256 over a painted mesh, ``how`` it is learned, the source that learns, and the libraries' versions."""
     import cv2
 
     total = hashlib.sha256(

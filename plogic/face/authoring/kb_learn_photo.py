@@ -1,4 +1,7 @@
-"""``plogic kb learn NAME --photo FILE --points FILE``: an object type from one photo, laid onto its mesh by a few clicked points."""
+"""``plogic kb learn NAME --photo FILE --points FILE``.
+
+An object type from one photo, laid onto its mesh by a few clicked points.
+"""
 
 import json
 import tempfile

@@ -1,4 +1,7 @@
-"""``plogic kb new``, ``add`` and ``import``: new knowledge bases, and new types in their folders, each whole or not at all."""
+"""``plogic kb new``, ``add`` and ``import``.
+
+New knowledge bases, and new types in their folders, each whole or not at all.
+"""
 
 import json
 import os.path
@@ -27,7 +30,10 @@ from sensing.files.whole_files import write_folder, write_whole
 
 
 def is_new(folder: Path) -> bool:
-    """Whether there is nothing yet, so that a knowledge base is to be made first; raises InputError where what is there is none."""
+    """Whether there is nothing yet, so that a knowledge base is to be made first.
+
+    Raises InputError where what is there is none.
+    """
     if is_there(folder) and fault_of(folder / "kb.yaml") is not None:
         raise InputError(f"{folder}: holds no kb.yaml; make a knowledge base with: plogic kb new {folder}")
     return not is_there(folder)
@@ -52,7 +58,10 @@ def check_places(folder: Path, names: Sequence[str]) -> None:
 
 
 def type_folders(folder: Path) -> dict[str, Path]:
-    """Where each type of a KB's folder is described, by the name that its object.yaml states; what cannot be read is left out."""
+    """Where each type of a KB's folder is described, by the name that its object.yaml states.
+
+    What cannot be read is left out.
+    """
     found: dict[str, Path] = {}
     if fault_of(folder / "objects") != IS_FOLDER:
         return found
@@ -65,7 +74,7 @@ def type_folders(folder: Path) -> dict[str, Path]:
 
 
 def write_types(folder: Path, types: Sequence[NewType], *, new: bool = False) -> None:
-    """Write the types' folders, into a ``new`` knowledge base or one that is there, and the schema that their editor lines point to.
+    """Write the types' folders, into a ``new`` knowledge base or an old one, and the schema of their editor lines.
 
     Raises IntakeError, SensingError.
     """
@@ -77,7 +86,10 @@ def write_types(folder: Path, types: Sequence[NewType], *, new: bool = False) ->
 
 
 def told(folder: Path, types: Sequence[NewType], what: str, *, new: bool, as_json: bool) -> str:
-    """What was done, as text, or as one ``kb_add/1`` or ``kb_import/1`` document; ``new``: the knowledge base was made too."""
+    """What was done, as text, or as one ``kb_add/1`` or ``kb_import/1`` document; ``new``.
+
+    The knowledge base was made too.
+    """
     if as_json:
         documents: list[dict[str, Any]] = [kind.document | {"notes": list(kind.notes)} for kind in types]
         return json.dumps({"format": f"{what}/1", "kb": str(folder), "new_kb": new, "types": documents})
@@ -97,7 +109,9 @@ def new_command(folder: Path, name: str | None) -> str:
 
 
 def add_command(name: str, mesh: Path, units: str | None, folder: Path, *, as_json: bool) -> str:
-    """Make a type from a mesh file; the text says what was done. Where there is no such folder, a new knowledge base is made first.
+    """Make a type from a mesh file; the text says what was done.
+
+    Where there is no such folder, a new knowledge base is made first.
 
     Raises IntakeError, InputError, SensingError.
     """
@@ -153,7 +167,9 @@ def _of_bop(models: Path, folder: Path, units: str | None) -> list[NewType]:
 
 
 def with_entry(file: Path, content: bytes, key: str, value: Mapping[str, str] | Sequence[Mapping[str, Any]]) -> bytes:
-    """The content of a file that was read as a mapping, with ``value`` under ``key``: in the place of what is there, or at the end.
+    """The content of a file that was read as a mapping, with ``value`` under ``key``.
+
+    In the place of what is there, or at the end.
 
     A list of mappings is written in one line, as a mapping is.
 
@@ -193,14 +209,19 @@ def _replaced(text: str, node: Node, entry: str) -> str:
 
 
 def _last(node: Node) -> Node:
-    """The node that a node's text ends with: in block style a parent ends where the next key begins, comments included."""
+    """The node that a node's text ends with.
+
+    In block style a parent ends where the next key begins, comments included.
+    """
     while isinstance(node, MappingNode | SequenceNode) and node.value and not node.flow_style:
         node = node.value[-1][1] if isinstance(node, MappingNode) else node.value[-1]
     return node
 
 
 def assimilate_command(panorama: str, unknown: str, kb_folder: str, name: str, *, as_json: bool) -> str:
-    """Write the type's folder, whole or not at all, and never over another; the text says what the draft has and what it has not.
+    """Write the type's folder, whole or not at all, and never over another.
+
+    The text says what the draft has and what it has not.
 
     Raises InputError, IntakeError, KBError, SensingError.
     """

@@ -146,7 +146,10 @@ def _told(
 def query_command(
     source: str, goal: str | None, given: Sequence[str], options: Asking, *, as_json: bool
 ) -> tuple[str, int]:
-    """P(goal) of an interpretation or a program; exit 3 where the deadline was reached, answers then being intervals."""
+    """P(goal) of an interpretation or a program.
+
+    Exit 3 where the deadline was reached, answers then being intervals.
+    """
     asked = opened(source, options.reading, trust=options.trust)
     found = asked.query(goal, given=given, rules=options.rules, deadline=options.deadline)
     document: rows.Answers = {

@@ -98,7 +98,7 @@ def _run(
 
 
 def _why(frame: Frame, line: bytes) -> str:
-    """The error of a line, its first mistake and how many there are, after the frame's name unless it says that itself."""
+    """The error of a line: its first mistake and their number, after the frame's name unless it says that itself."""
     first, *others = str(json.loads(line)["error"]).splitlines() or [""]
     named = first if first.startswith(frame.input) else f"{frame.name}: {first}"
     return named + (f" (and {len(others)} more)" if others else "")

@@ -31,7 +31,9 @@ def bop_command(
     write: Callable[[str], None],
     look: Look | None = None,
 ) -> str:
-    """Read, look, write the CSV whole, and give the text of the scores. ``look`` takes the place of the KB's own perceiver.
+    """Read, look, write the CSV whole, and give the text of the scores.
+
+    ``look`` takes the place of the KB's own perceiver.
 
     Raises:
         PlogicError: What is wrong with the dataset, the KB or the places, before any work; nothing is written then.
@@ -55,7 +57,10 @@ def bop_command(
 
 
 def look_of(kb: KnowledgeBase) -> Look:
-    """The KB's own perceiver: what it accepts, scored by its probability. Raises InputError where no detector reports a type of the KB."""
+    """The KB's own perceiver: what it accepts, scored by its probability.
+
+    Raises InputError where no detector reports a type of the KB.
+    """
     if not detectable(kb):
         raise InputError(
             f"{kb.name}: no detector reports any of its appearance types ({', '.join(kb.appearance_types[:8])})"

@@ -1,4 +1,7 @@
-"""The commands ``batch``, ``bop``, ``measures`` and ``next-view`` as click has them: one function each, which parses, calls and prints."""
+"""The commands ``batch``, ``bop``, ``measures`` and ``next-view`` as click has them.
+
+One function each, which parses, calls and prints.
+"""
 
 import math
 import sys
@@ -117,7 +120,7 @@ def batch(inputs: tuple[str, ...], kb_folder: str, **options: Any) -> None:  # n
 )
 @AS_JSON
 def bop(dataset: str, kb_folder: str, out: str, ids: str | None, timed: bool, as_json: bool) -> None:  # noqa: FBT001 - click's flags
-    """Perceive every image of a BOP dataset, write the challenge's results file, and score it where there is ground truth.
+    """Perceive every image of a BOP dataset, write the challenge's results file, and score it against ground truth.
 
     DATASET is a dataset's folder, one of its splits, or one scene. A name by the challenge's convention is
     METHOD_DATASET-SPLIT.csv.
@@ -175,7 +178,9 @@ def next_view(interpretation: str, number: int, seed: int, *, as_json: bool, **o
 @INTERPRETATION
 @AS_JSON
 def measures(interpretation: str, *, as_json: bool) -> None:
-    """Compare the measures of each hypothesis: ev alone and in each mode beside Δi, Shanahan's value, the posterior, dv, rank.
+    """Compare the measures of each hypothesis.
+
+    Ev alone and in each mode beside Δi, Shanahan's value, the posterior, dv, rank.
 
     Distinctiveness is told over the types of the knowledge base, and over the instances in Δi.
     """

@@ -50,7 +50,7 @@ GOALS = ("present(H)", "partially_occludes(X, Y)")
 
 
 def run_demo(out: Path, seed: int, reading: Reading, *, say: Callable[[str], None], as_json: bool = False) -> str:
-    """Render, detect, interpret in both readings, write the folder ``out`` and return the text to print (in ``reading``)."""
+    """Render, detect, interpret in both readings, write ``out``, and return the text to print (in ``reading``)."""
     check_folder(out)
     kb = kb_of("towers")
     tell_without_physics(say)

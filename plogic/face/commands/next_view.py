@@ -43,7 +43,7 @@ def next_view_command(source: str, number: int, seed: int, options: Moves, *, as
 
 
 def looked(document: Looked, number: int, seed: int, options: Moves) -> "NextView":
-    """The document of an interpretation's next views, or of those of what stands for one (``plogic.sequence.next_view.reading``)."""
+    """The document of an interpretation's next views, or of its stand-in's (``plogic.sequence.next_view.reading``)."""
     camera, about = camera_from_dict(document["camera"]), options.about
     reading: Reading = options.reading or document["reading"]
     if "format" not in document:  # of a sequence

@@ -244,7 +244,7 @@ def _looks(
 
 
 def _placed_frames(frames: Sequence[str], poses: str | None) -> tuple[list[Placed | None], list[Placed]]:
-    """The pose of each frame, None where its own file must tell it, and the poses without a frame, where all that is known is told.
+    """The pose of each frame, None where its own file must tell it, and the poses without a frame, if all is known.
 
     A pose is a frame's if it bears its name, or the end of its path; where none bears any, the first is the first
     frame's, and so on. Raises InputError or CameraError.

@@ -34,7 +34,9 @@ def simulate_command(
     bop_images: int = 1,
     robot: str | None = None,
 ) -> None:
-    """Write image.png, camera.json and truth.json into a new folder; the types are drawn by the seed, every type once before any twice.
+    """Write image.png, camera.json and truth.json into a new folder.
+
+    The types are drawn by the seed, every type once before any twice.
 
     With ``bop``, the scenes of this seed and the next become a BOP dataset in a folder of its own; the first is the
     same. With ``robot``, the camera moves: a folder a frame, the first from where the scene's camera is, and
@@ -102,7 +104,10 @@ def _check_apart(out: Path, bop: Path) -> None:
 
 
 def shapes_of(kb: KnowledgeBase, names: Sequence[str] | None = None) -> list[tuple[str, TexturedMesh]]:
-    """(label, textured mesh) of the named types, or of all that have a mesh. Raises InputError where a type has none."""
+    """(label, textured mesh) of the named types, or of all that have a mesh.
+
+    Raises InputError where a type has none.
+    """
     types = kb.types if names is None else [kb.type(name) for name in names]
     return [(t.name, _mesh(t)) for t in types]
 

@@ -61,7 +61,10 @@ COARSE = 0.5
 
 @dataclass(frozen=True, eq=False)
 class Drawn:
-    """``vertices`` (V, 3) m, object frame; ``triangles`` (T, 3); ``uv`` (V, 2), (0, 0) at the texture's lower left, or None."""
+    """``vertices`` (V, 3) m, object frame; ``triangles`` (T, 3).
+
+    ``uv`` (V, 2), (0, 0) at the texture's lower left, or None.
+    """
 
     vertices: NDArray[np.float64]
     triangles: NDArray[np.int64]
@@ -111,7 +114,10 @@ def _painted(kind: ObjectType) -> tuple[TexturedMesh | None, list[str]]:
 
 
 def coarser(mesh: Drawn) -> Drawn:
-    """The mesh itself where it is small enough; else with places of one grid cell made one, on the finest grid that does."""
+    """The mesh itself where it is small enough.
+
+    Else with places of one grid cell made one, on the finest grid that does.
+    """
     fewer = mesh
     for cells in GRIDS if not mesh.small else ():
         fewer = _clustered(mesh, cells)
@@ -224,7 +230,10 @@ def _features(kind: ObjectType, kept: NDArray[np.int64], types: dict[str, int]) 
 
 
 def _sides(cloud: LearnedCloud, kept: NDArray[np.int64]) -> dict[str, str] | None:
-    """Which of the features are sides of edges and, of each as its surest lobe saw it, two unit vectors: along its edge, and across towards it."""
+    """Which of the features are sides of edges and, of each as its surest lobe saw it, two unit vectors.
+
+    Along its edge, and across towards it.
+    """
     lobes = np.flatnonzero(cloud.sided & np.isin(cloud.feature, kept))
     surest = lobes[np.lexsort((-cloud.hit[lobes], cloud.feature[lobes]))]
     feature, first = np.unique(cloud.feature[surest], return_index=True)

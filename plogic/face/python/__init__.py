@@ -1,1 +1,4 @@
-"""The face for Python: what ``from plogic import ...`` gives. Objects whose methods are the verbs of the command line."""
+"""The face for Python: what ``from plogic import ...`` gives.
+
+Objects whose methods are the verbs of the command line.
+"""

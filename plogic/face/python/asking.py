@@ -116,7 +116,10 @@ class Explanation(Result):
 
     @cached_property
     def tree(self) -> Reason:
-        """The explanations as one tree down to the data: the goal, and below it each explanation's own tree, most probable first."""
+        """The explanations as one tree down to the data.
+
+        The goal, and below it each explanation's own tree, most probable first.
+        """
         account = self.whole() if self.brief and self.whole is not None else self.account
         return Reason(account.goal, "explained", tuple(e.tree for e in account.why), account.probability)
 

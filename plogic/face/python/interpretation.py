@@ -68,7 +68,10 @@ class Measures(Rows[Measure]):
 
 
 def measures_of(document: rows.Interpretation) -> Measures:
-    """Return the measures of an interpretation. Raises SituationError where the posterior cannot be computed exactly."""
+    """Return the measures of an interpretation.
+
+    Raises SituationError where the posterior cannot be computed exactly.
+    """
     return Measures(*measured(document))
 
 
@@ -82,7 +85,8 @@ class Hypothesis:
     """One hypothesis: that an object of this ``type`` stands at this pose.
 
     ``T_camera_object`` (4, 4) maps points of the object's frame to the camera's, metres. ``status`` is accepted, rival
-    or rejected. ``cases`` gives each feature its case A, B, C or D of §4, None outside the image. ``interval`` bounds the
+    or rejected. ``cases`` gives each feature its case A, B, C or D of §4, None outside the image. ``interval`` bounds
+    the
     probability.
     """
 
@@ -165,10 +169,13 @@ class Picture(np.ndarray[tuple[int, ...], np.dtype[np.uint8]]):
 
 
 class Interpretation(Asked, Result):
-    """What one picture shows: hypotheses, possible worlds, relations; self-contained, so that no image or KB has to be at hand."""
+    """What one picture shows: hypotheses, possible worlds, relations.
+
+    Self-contained, so that no image or KB has to be at hand.
+    """
 
     def __init__(self, document: rows.Interpretation, *, image: NDArray[np.uint8] | None = None) -> None:
-        """Take an ``interpretation/1`` document, and the image (H, W, 3) uint8, blue first, that it is of, if it is at hand."""
+        """Take an ``interpretation/1`` document, and its image (H, W, 3) uint8, blue first, if it is at hand."""
         self._document, self._image = document, image
 
     @classmethod
@@ -187,7 +194,7 @@ class Interpretation(Asked, Result):
         return self._document["reading"]
 
     def read_as(self, reading: Reading) -> Self:
-        """Return the same hypotheses and facts in the other reading, for ``worlds``, ``query``, ``explain`` and ``program``."""
+        """Return the same hypotheses and facts in the other reading, for all that is asked of it."""
         if reading not in get_args(Reading):
             raise InputError(f"reading: {reading!r:.60} should be one of {', '.join(get_args(Reading))}")
         return type(self)({**self._document, "reading": reading}, image=self._image)
@@ -226,11 +233,17 @@ class Interpretation(Asked, Result):
         return interpretation.situation_of(self._document)
 
     def measures(self) -> "Measures":
-        """Return ev in each mode, Shanahan's value, the posterior, dv and rank: a row each hypothesis that is not rejected."""
+        """Return ev in each mode, Shanahan's value, the posterior, dv and rank.
+
+        A row each hypothesis that is not rejected.
+        """
         return measures_of(self._document)
 
     def program(self) -> Program:
-        """Return the ProbLog program with its queries: it runs unchanged in a stock ``problog``, with the same numbers."""
+        """Return the ProbLog program with its queries.
+
+        It runs unchanged in a stock ``problog``, with the same numbers.
+        """
         return Program(program_text(self.subject) + "\n" + query_lines(self.subject), "interpretation.pl")
 
     def picture(self) -> Picture:
@@ -241,7 +254,10 @@ class Interpretation(Asked, Result):
 
     @property
     def image(self) -> NDArray[np.uint8] | None:
-        """The image (H, W, 3) uint8, blue first: the one that was perceived, else the one that is carried along, maybe smaller; or None."""
+        """The image (H, W, 3) uint8, blue first.
+
+        The one that was perceived, else the one that is carried along, maybe smaller; or None.
+        """
         from sensing.files.images import image_from
 
         carried = self._document.get("assets", {}).get("image")

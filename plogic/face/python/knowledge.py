@@ -1,4 +1,7 @@
-"""A knowledge base for Python: read once, made ready once, and used for any number of images, in several processes too."""
+"""A knowledge base for Python.
+
+Read once, made ready once, and used for any number of images, in several processes too.
+"""
 
 import os
 from functools import lru_cache
@@ -24,7 +27,7 @@ class KnowledgeBase(Result):
     """
 
     def __init__(self, folder: str | Path) -> None:
-        """Read a folder; the name of a shipped one (``"first"``, ``"towers"``) stands for it where no such folder exists.
+        """Read a folder; ``"first"`` and ``"towers"`` stand for the shipped ones where no such folder exists.
 
         Raises:
             Error: telling every mistake of the folder, with file, line and column.
@@ -66,7 +69,10 @@ class KnowledgeBase(Result):
         return self._sigma
 
     def ready(self, generator: str = "index") -> Self:
-        """Make the search ready now, and not at the first image; processes that are forked afterwards share it. Returns itself."""
+        """Make the search ready now, and not at the first image; processes that are forked afterwards share it.
+
+        Returns itself.
+        """
         self.perceiver(generator)
         return self
 

@@ -23,7 +23,10 @@ Image = str | Path | np.ndarray[tuple[int, ...], np.dtype[np.uint8]]
 
 
 class Camera(geometry_camera.Camera):
-    """A pinhole camera with OpenCV's lens distortion: x right, y down, z forward; an integer pixel is a pixel's centre."""
+    """A pinhole camera with OpenCV's lens distortion: x right, y down, z forward.
+
+    An integer pixel is a pixel's centre.
+    """
 
     def __init__(
         self,
@@ -33,7 +36,7 @@ class Camera(geometry_camera.Camera):
         dist: ArrayLike = (),
         T_world_camera: ArrayLike | None = None,
     ) -> None:
-        """Take the size in pixels, ``K`` (3, 3), ``dist`` (0, 4, 5, 8, 12 or 14), and the pose (4, 4) in the world, metres, if known.
+        """Take the size in pixels, ``K`` (3, 3), ``dist`` (0, 4, 5, 8, 12 or 14), and the pose (4, 4) in the world, m.
 
         Raises:
             Error: telling everything that is wrong with the numbers.
@@ -63,7 +66,7 @@ class Camera(geometry_camera.Camera):
     def from_fov(
         cls, width: int, height: int, *, horizontal: float | None = None, vertical: float | None = None
     ) -> Self:
-        """Return an ideal camera with square pixels and one field of view, in degrees, looking through the image's middle.
+        """Return an ideal camera with square pixels and one field of view, degrees, through the image's middle.
 
         Raises:
             Error: unless exactly one field of view is given, between 0 and 180 degrees.

@@ -18,5 +18,8 @@ class Session(session.Session):
 
     @classmethod
     def open(cls, path: str | Path, *, reading: Reading | None = None, trust: bool = False) -> Self:
-        """Begin a session about an ``interpretation.json`` or a program's file. Raises Error where it cannot be read."""
+        """Begin a session about an ``interpretation.json`` or a program's file.
+
+        Raises Error where it cannot be read.
+        """
         return cls(opened(path, reading, trust=trust))

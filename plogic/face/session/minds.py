@@ -224,7 +224,7 @@ def mind_of(subject: Subject, limits: Limits | None) -> Mind:
 def ranked(
     subject: Subject, n: int, given: Sequence[str], limits: Limits, seconds: float | None = None
 ) -> tuple[Worlds, Ranking | ProgramRanking]:
-    """The ``n`` most probable worlds, with what is proved of a search that was stopped, and the ranking that they are from.
+    """The ``n`` most probable worlds, with what is proved of a stopped search, and the ranking that they are from.
 
     That of a scene is by the program text where the evidence speaks of choices that the graph has summed out; causes
     are not told then. With ``seconds``, what is known by then.

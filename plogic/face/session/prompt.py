@@ -19,7 +19,7 @@ from plogic.face.session.verbs import SYNONYMS, VERBS, attempted, is_end, shown
 
 
 def history_file() -> Path:
-    """``$XDG_STATE_HOME/plogic/history``, or ``~/.local/state/plogic/history`` where that is not set or is no absolute path."""
+    """``$XDG_STATE_HOME/plogic/history``, or ``~/.local/state/plogic/history`` where that is no absolute path."""
     state = os.environ.get("XDG_STATE_HOME", "")
     return (Path(state) if Path(state).is_absolute() else Path.home() / ".local" / "state") / "plogic" / "history"
 

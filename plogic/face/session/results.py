@@ -1,4 +1,4 @@
-"""What each verb answers: plain data, which prints as the shell shows it and shows itself as a tidy table in a notebook.
+"""What each verb answers: plain data that prints as in the shell and shows itself as a table in a notebook.
 
 ``str(result)`` is the text, the same bytes each time; ``result.text(width=80, styled=True)`` is the text for a
 terminal. Vocabulary:
@@ -27,7 +27,10 @@ PROBABILITY = Column("probability", right=True)
 
 @dataclass(frozen=True)
 class AnswerRow:
-    """One answer: the ``goal`` with the values of its variables, which ``bindings`` gives by name; its probability, and bounds of it."""
+    """One answer: the ``goal`` with the values of its variables, which ``bindings`` gives by name.
+
+    Its probability, and bounds of it.
+    """
 
     goal: str
     bindings: dict[str, str | int | float]
@@ -158,7 +161,8 @@ class Released(Result):
 class World:
     """One possible world, with its ``probability`` and bounds of it.
 
-    Of a scene: the hypotheses that are ``present``, and the cause of each appearance (None where evidence speaks of what
+    Of a scene: the hypotheses that are ``present``, and the cause of each appearance (None where evidence speaks of
+    what
     causes leave open). Of a program: the queries that are ``present``, true, in it; worlds in which these are the same
     are one, with the most probable total choice among them.
     """

@@ -1,4 +1,6 @@
-"""A session: ask, observe and take back, predict, rank the worlds, ask why; the verbs of the shell (and of Poole's AILog2) as functions.
+"""A session: ask, observe and take back, predict, rank the worlds, ask why.
+
+The verbs of the shell (and of Poole's AILog2) as functions.
 
 ::
 
@@ -75,7 +77,10 @@ class Session:
         return self._done("ask", goal, results.Answers(goal, self._answers(goal, ()), self._stopped))
 
     def observe(self, literal: str) -> results.Observed:
-        """Add evidence. Raises InconsistentError where it is impossible given what was observed; nothing is changed then."""
+        """Add evidence. Raises InconsistentError where it is impossible given what was observed.
+
+        Nothing is changed then.
+        """
         literal = one_line(literal)
         before = self._observed
         same = self._place(literal)
@@ -121,11 +126,16 @@ class Session:
         return self._explained("why", goal, most, against=False)
 
     def whynot(self, goal: str, most: int | None = None) -> results.Explained:
-        """Why the goal does not hold: the explanations of its negation, or the condition that fails, nearest misses first."""
+        """Why the goal does not hold.
+
+        The explanations of its negation, or the condition that fails, nearest misses first.
+        """
         return self._explained("whynot", goal, most, against=True)
 
     def listing(self, name: str | None = None) -> results.Listing:
-        """The clauses of a predicate (``wet``, ``wet/1``) or of a scene's layer (``3``); without a name what was observed, and what there is.
+        """The clauses of a predicate (``wet``, ``wet/1``) or of a scene's layer (``3``).
+
+        Without a name what was observed, and what there is.
 
         Raises InputError where there is no such thing.
         """
@@ -140,7 +150,10 @@ class Session:
         return self._mind.predicates()
 
     def names(self) -> tuple[tuple[str, str], ...]:
-        """(constant as a goal writes it, what it names): hypotheses, features, appearances, types; a program's own constants."""
+        """(constant as a goal writes it, what it names): hypotheses, features, appearances, types.
+
+        A program's own constants.
+        """
         return self._mind.names()
 
     def contents(self) -> tuple[tuple[str, str], ...]:
@@ -169,7 +182,10 @@ class Session:
         return results.Saved(str(path), self._lines)
 
     def load(self, path: str | Path) -> results.Replayed:
-        """Do the lines of a saved session; the first that fails is told with its number (InputError), and those before it stay done."""
+        """Do the lines of a saved session.
+
+        The first that fails is told with its number (InputError), and those before it stay done.
+        """
         path = Path(path).expanduser()
         return replayed(self, str(path), program_text_of(str(path)))
 

@@ -109,7 +109,10 @@ _LIKE_A_VERB = re.compile(r"\s*([a-z_]\w*)\s+([A-Za-z_]\w*|'|\\\+)", re.ASCII)
 
 
 def verb_of(line: str) -> tuple[str, str]:
-    """The verb of a line and its argument without the full stop; raises InputError where a verb was meant that there is not."""
+    """The verb of a line and its argument without the full stop.
+
+    Raises InputError where a verb was meant that there is not.
+    """
     match = _LINE.match(line)
     name = match[1] if match else ""
     name = SYNONYMS.get(name, name)
@@ -146,7 +149,10 @@ def perform(session: "Session", line: str) -> Result | None:
 
 
 def helped(session: "Session", topic: str) -> Result:
-    """The table of verbs; or what one verb, or a predicate that can be asked for, means. Raises InputError where it is neither."""
+    """The table of verbs; or what one verb, or a predicate that can be asked for, means.
+
+    Raises InputError where it is neither.
+    """
     if not topic:
         return Help("verbs (a line without one is `ask`)", tuple((verb.usage, verb.meaning) for verb in VERBS))
     name = SYNONYMS.get(topic, topic)
@@ -204,7 +210,10 @@ def replayed(session: "Session", file: str, text: str) -> Replayed:
 def run_lines(
     session: "Session", lines: Iterable[bytes], write: Callable[[str], None], say: Callable[[str], None]
 ) -> int:
-    """Do every line up to ``quit``; a line that fails is told and does not end the session. The exit code: 1 if any failed, else 0."""
+    """Do every line up to ``quit``; a line that fails is told and does not end the session. The exit code.
+
+    1 if any failed, else 0.
+    """
     status = 0
     for number, data in enumerate(lines, 1):
         result, mistakes = None, ["is not UTF-8 text"]

@@ -107,7 +107,8 @@ class Asking:
 class Perceiving:
     """How ``plogic perceive`` interprets its inputs with ``kb``, and the files that it writes.
 
-    ``camera``: of pictures; ``poses``: where it stood for each of several frames; ``stereo``: the calibration of a pair;
+    ``camera``: of pictures; ``poses``: where it stood for each of several frames; ``stereo``: the calibration of a
+    pair;
     ``deadline`` in seconds; ``out`` is stdout where it is ``-``.
     """
 
@@ -128,7 +129,9 @@ class Perceiving:
 
 @dataclass(frozen=True)
 class Moves:
-    """``about``: the goal that should become certain; where the camera may go, one of ``ring`` m, ``within`` m and a file of ``moves``.
+    """``about``: the goal that should become certain.
+
+    Where the camera may go, one of ``ring`` m, ``within`` m and a file of ``moves``.
 
     ``reading``: the other one of the same Δh, None for its own.
     """
@@ -144,7 +147,8 @@ class Moves:
 class Batching:
     """How ``plogic batch`` works through its frames, and where their lines go.
 
-    ``out``: a file, ``-`` for stdout; ``order``: ``input`` or ``done``; ``jobs``: processes of this machine, None for one
+    ``out``: a file, ``-`` for stdout; ``order``: ``input`` or ``done``; ``jobs``: processes of this machine, None for
+    one
     a core; ``dask``: the address of a cluster that works instead; ``timeout``: seconds that a frame may take.
     """
 
@@ -179,7 +183,8 @@ class Learning:
 class Photo:
     """The files that ``plogic kb learn --photo`` reads.
 
-    ``photo`` and ``points``; ``camera``, where its intrinsics are known; ``mesh`` and its ``units``, where the type is new.
+    ``photo`` and ``points``; ``camera``, where its intrinsics are known; ``mesh`` and its ``units``, where the type is
+    new.
     """
 
     photo: Path

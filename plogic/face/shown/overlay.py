@@ -84,13 +84,19 @@ def crowded(document: Interpretation) -> bool:
 
 @dataclass(frozen=True)
 class Sides:
-    """The sides of edges of a document: the ``angle`` of each appearance that is one, by its id, and their ``types``."""
+    """The sides of edges of a document.
+
+    The ``angle`` of each appearance that is one, by its id, and their ``types``.
+    """
 
     angle: dict[str, float]
     types: frozenset[str]
 
     def case(self, feature: FeatureRow) -> str | None:
-        """Case A or C of a feature that is the side of an edge, as its match or else its type tells; None of any other."""
+        """Case A or C of a feature that is the side of an edge, as its match or else its type tells.
+
+        None of any other.
+        """
         match = feature.get("match")
         own = feature["type"] in self.types if match is None else match in self.angle
         return feature["case"] if own and feature.get("case") in ("A", "C") else None
@@ -205,7 +211,10 @@ def _chance(h: HypothesisRow) -> str:
 def _legend(
     width: int, accepted: list[HypothesisRow], kinds: list[str], sides: Sides | None = None
 ) -> NDArray[np.uint8]:
-    """Return the strip (lines, width, 3) that explains colours, cases and signs; it wraps. ``sides``: of the small marks of many features."""
+    """Return the strip (lines, width, 3) that explains colours, cases and signs; it wraps. ``sides``.
+
+    Of the small marks of many features.
+    """
     entries = _case_entries(accepted, sides)
     entries += [
         (f"{_name(h)}{'' if sides is None else _chance(h)}", _swatch(colour_of(i))) for i, h in enumerate(accepted)

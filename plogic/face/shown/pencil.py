@@ -67,7 +67,10 @@ class Pencil:
                 self._line(centre + ring, paint, width)
 
     def side(self, uv: Place, angle: float, colour: Colour) -> None:
-        """Draw the small mark of the side of an edge: a stroke along the edge and a tick at ``angle``, across it towards the side."""
+        """Draw the small mark of the side of an edge.
+
+        A stroke along the edge and a tick at ``angle``, across it towards the side.
+        """
         across = np.array([np.cos(angle), np.sin(angle)])
         along = np.array([-across[1], across[0]])
         centre, strokes = np.array(self.at(uv)), (np.stack([-5 * along, 5 * along]), np.stack([0 * across, 6 * across]))

@@ -1,4 +1,7 @@
-"""Tables as text: plain where stdout is no terminal, and where NO_COLOR is set; those of answers, worlds and measures."""
+"""Tables as text: plain where stdout is no terminal, and where NO_COLOR is set.
+
+Those of answers, worlds and measures.
+"""
 
 import io
 import os
@@ -20,7 +23,10 @@ CELLS = ("expected_detected", "expected_missed", "hidden_missed", "hidden_detect
 
 
 def worlds(document: Interpretation, limit: int = 10) -> Table:
-    """Return the ranked possible worlds, most probable first, with the mass of those that are not in the table; intervals where they are told."""
+    """Return the ranked possible worlds, most probable first, with the mass of those that are not in the table.
+
+    Intervals where they are told.
+    """
     names = {h["id"]: f"{h.get('label') or h['type']} {h['id']}" for h in document.get("hypotheses", [])}
     listed = document.get("worlds", [])
     bounded = any("interval" in world for world in listed[:limit])
@@ -49,7 +55,10 @@ def worlds(document: Interpretation, limit: int = 10) -> Table:
 
 
 def answers(document: Answers) -> Table:
-    """Return the answers, in the order given; one known only within bounds prints both, and those of what is unfinished their probability too."""
+    """Return the answers, in the order given.
+
+    One known only within bounds prints both, and those of what is unfinished their probability too.
+    """
     apart = bool(document.get("unfinished"))
     table = _table("answers", ("probability", "right"), *[("interval", "right")] * apart, ("goal", "left"))
     for answer in document.get("answers", []):

@@ -1,4 +1,6 @@
-"""What runs on a worker of a Dask cluster: each of its threads keeps a process of ours, as a pool of one, and nobody's work is gone on with.
+"""What runs on a worker of a Dask cluster.
+
+Each of its threads keeps a process of ours, as a pool of one, and nobody's work is gone on with.
 
 A run's processes end when it ends, when it was killed (then its tasks are cancelled), and when they had nothing to do
 for a while.

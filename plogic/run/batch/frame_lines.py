@@ -95,7 +95,7 @@ class Lines:
 
 
 def short(document: Interpretation, number: int) -> ShortBody:
-    """An interpretation's ``number`` most probable worlds, and the hypotheses that are accepted or in one of them, with their poses."""
+    """An interpretation's ``number`` best worlds, and the posed hypotheses that are accepted or in one of them."""
     listed, stopped = document["worlds"][:number], stopped_in(document)
     present = {name for world in listed for name in world["present"]}
     body: ShortBody = {

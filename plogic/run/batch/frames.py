@@ -67,7 +67,9 @@ class SettingsRow(TypedDict):
 
 @dataclass(frozen=True, slots=True)
 class Settings:
-    """What decides a frame's line besides the frame: the KB, the camera of pictures that have none beside them, and the options.
+    """What decides a frame's line besides the frame.
+
+    The KB, the camera of pictures that have none beside them, and the options.
 
     ``worlds``: as many are listed; ``full``: the whole interpretation is.
     """

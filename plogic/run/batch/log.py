@@ -96,7 +96,7 @@ class Log:
 
 
 def check_out(places: Iterable[Path], *, resume: bool) -> None:
-    """Before any work: raise InputError where a file holds something and the run is not to ``resume``, SensingError where none can be written."""
+    """Before any work, raise InputError where a file is full without ``resume``, SensingError where none can be."""
     for path in places:
         check_places([path])
         if not resume and path.is_file() and path.stat().st_size:
@@ -212,7 +212,7 @@ def left_over(frames: Sequence[Frame], written: Sequence[Written], *, in_order: 
 
 
 def check_same(frames: Sequence[Frame], written: Sequence[Written], settings: Settings, kb: Mapping[str, str]) -> None:
-    """Raise InputError where lines were made with another KB, by other options, or of other content than their frames have now."""
+    """Raise InputError where lines were made with another KB, by other options, or of frames of other content."""
     wrong = Mistakes("give the knowledge base and the options of then; else start a new file")
     options = settings.document()
     for line in written:

@@ -176,7 +176,7 @@ class Pool:
         )
 
     def _excuse(self, seconds: float) -> None:
-        """A turn that came so much later than was asked for, as where we were stopped or nobody read our lines, is no worker's fault."""
+        """A turn that came so much later than asked, as where we were stopped or unread, is no worker's fault."""
         if self._timeout is not None and seconds > PATIENCE:
             for worker in self._workers:
                 worker.since = min(worker.since + seconds, monotonic())
@@ -205,7 +205,7 @@ class Pool:
         worker.kb, worker.since, self._failed = said["kb"], monotonic(), 0
 
     def _late(self) -> Iterator[Answer]:
-        """End the workers that take longer over a frame than they may, and have said nothing that is still to be read."""
+        """End the workers that take longer over a frame than they may, and have said nothing that is still unread."""
         if self._timeout is None:
             return
         for worker in list(self._workers):

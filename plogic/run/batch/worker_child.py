@@ -1,4 +1,6 @@
-"""A process that perceives frames: from stdin its settings and then frames (JSON, one a line), to stdout what it says to them.
+"""A process that perceives frames.
+
+From stdin its settings and then frames (JSON, one a line), to stdout what it says to them.
 
 The first line out is ``{"kb": {"name", "digest"}}``, or ``{"error": ...}`` and the end; then one a frame: its status, a
 blank, and its line.

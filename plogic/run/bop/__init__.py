@@ -1,4 +1,4 @@
-"""BOP in and out: datasets of the BOP benchmark, the challenge's results files, its errors and recalls, and simulated scenes as datasets.
+"""BOP in and out: datasets, the challenge's results files, errors and recalls, simulated scenes as datasets.
 
 Millimetres exist only in the files: what is read is in metres, and what is written is turned back.
 """

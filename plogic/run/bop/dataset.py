@@ -164,7 +164,7 @@ class Dataset:
         return {scene.scene_id: scene for scene in self.scenes}[scene_id]
 
     def listed(self) -> tuple[list[tuple[int, int]], list[str]]:
-        """(scene, image) of every frame that is wanted, in order, and a line for each scene that cannot be read or is left out."""
+        """(scene, image) of every wanted frame, in order, and a line for each scene unread or left out."""
         if self.targets is not None:
             here = {scene.scene_id for scene in self.scenes}
             absent = sorted({s for s, _ in self.targets if s not in here})

@@ -55,7 +55,7 @@ class View:
 
 
 def views_of(dataset: Dataset, done: Run) -> tuple[list[View], list[str]]:
-    """The views that have ground truth, those of bad frames (nothing found) among them, and a line for each truth that cannot be read."""
+    """The views with ground truth, bad frames (nothing found) among them, and a line for each unreadable truth."""
     found: dict[tuple[int, int], list[Estimate]] = {}
     for e in done.estimates:
         found.setdefault((e.scene_id, e.im_id), []).append(e)
@@ -73,7 +73,9 @@ def views_of(dataset: Dataset, done: Run) -> tuple[list[View], list[str]]:
 
 
 def targets_of(view: View) -> dict[int, list[Truth]]:
-    """The truths to be found, by object: with ``wanted`` its number of the most visible, else those of which a tenth is visible.
+    """The truths to be found, by object.
+
+    With ``wanted`` its number of the most visible, else those of which a tenth is visible.
 
     A truth of unknown visibility counts as visible.
     """

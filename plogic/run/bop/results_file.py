@@ -1,4 +1,6 @@
-"""The BOP challenge's results file: ``scene_id,im_id,obj_id,score,R,t,time``, R row by row and t in millimetres, blanks between numbers.
+"""The BOP challenge's results file.
+
+``scene_id,im_id,obj_id,score,R,t,time``, R row by row and t in millimetres, blanks between numbers.
 
 Its name by the challenge's convention is METHOD_DATASET-SPLIT.csv; none is demanded here.
 

@@ -1,4 +1,6 @@
-"""Simulated scenes as a BOP dataset: one scene folder ``test/000001``, an image of each simulated scene, and the models.
+"""Simulated scenes as a BOP dataset.
+
+One scene folder ``test/000001``, an image of each simulated scene, and the models.
 
 ::
 
@@ -40,7 +42,10 @@ from sensing.simulated.scene import Scene, json_bytes, png
 
 @dataclass(frozen=True, eq=False)
 class Kind:
-    """One type that scenes are made of: ``label`` of its bodies, its mesh, metres, and ``symmetries`` (S, 4, 4), a group."""
+    """One type that scenes are made of.
+
+    ``label`` of its bodies, its mesh, metres, and ``symmetries`` (S, 4, 4), a group.
+    """
 
     label: str
     mesh: TexturedMesh
