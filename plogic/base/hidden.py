@@ -5,8 +5,6 @@ A ``geometry.py`` beside a script comes before the package ``geometry`` that plo
 Nothing of ours but the standard library is imported here: it may be hidden.
 """
 
-from __future__ import annotations
-
 import os
 import sys
 from collections.abc import Iterable

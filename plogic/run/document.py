@@ -93,7 +93,7 @@ def document_of(
         **gravity_document(situation.gravity),  # type: ignore[typeddict-item] # no deadline's marks yet
         "measures": {
             "dv": situation.dv,
-            "p_dv": _told(probability_of_distinctiveness(counts), situation.dv),
+            "p_dv": {name: p for name, p in probability_of_distinctiveness(counts).items() if name in situation.dv},
             "rank": situation.rank,
         },
         "priors": situation.priors,
@@ -118,10 +118,6 @@ def _worlds(ranking: Ranking, situation: Situation, *, short: bool) -> Listed:
         for w in ranking.worlds
     ]
     return {"worlds": worlds, "causes_else": "noise"} if short else {"worlds": worlds}
-
-
-def _told(table: Mapping[str, float], names: Mapping[str, float]) -> dict[str, float]:
-    return {name: value for name, value in table.items() if name in names}
 
 
 def relation_probabilities(situation: Situation, seconds: float | None = None) -> list[RelationRow]:

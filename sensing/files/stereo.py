@@ -87,7 +87,7 @@ def _partners(left: Gamma, right: Gamma, pair: Pair, sigma: float) -> tuple[Mask
     count = len(left.appearances), len(right.appearances)
     if 0 in count:
         return np.zeros(count, bool), np.zeros(count)
-    a, b = (_normalised(gamma) for gamma in (left, right))
+    a, b = (np.asarray(gamma.camera.normalised(gamma.uv)) for gamma in (left, right))
     turned = np.concatenate([a, np.ones((len(a), 1))], axis=1) @ pair.right_from_left[:3, :3].T  # (L, 3) right frame
     t = pair.right_from_left[:3, 3]
     depth = _depths(turned, b, t)
@@ -97,10 +97,6 @@ def _partners(left: Gamma, right: Gamma, pair: Pair, sigma: float) -> tuple[Mask
         off = f * np.linalg.norm(placed[..., :2] / placed[..., 2:] - b[None], axis=2)
     near = (off <= OFF * np.sqrt(2.0) * sigma) & (depth > NEAREST) & (placed[..., 2] > NEAREST)
     return near & _alike(left.appearances, right.appearances), depth
-
-
-def _normalised(gamma: Gamma) -> Floats:
-    return np.asarray(gamma.camera.normalised(gamma.uv))
 
 
 def _depths(turned: Floats, b: Floats, t: Floats) -> Floats:

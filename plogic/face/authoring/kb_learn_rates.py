@@ -38,7 +38,11 @@ def learn_rates_command(
         say(f"wrote {file}")
     if unknown:
         say(f"{len(unknown)} instances of unknown presence were weighed by EM")
-    return _document(kb, rates, counts, len(records)) if as_json else _table(kb, rates, counts)
+    return (
+        _document(kb, rates, counts, len(records))
+        if as_json
+        else plain_table(f"rates of {kb.name}", _rows(kb, rates, counts))
+    )
 
 
 def _records(folders: Sequence[Path], kb: KnowledgeBase, say: Callable[[str], None]) -> list[Record]:
@@ -75,11 +79,6 @@ def _rows(kb: KnowledgeBase, rates: Rates, counts: Counts) -> list[dict[str, Any
         for rate in KINDS
         for name, pair in getattr(counts, rate).items()
     ]
-
-
-def _table(kb: KnowledgeBase, rates: Rates, counts: Counts) -> str:
-
-    return plain_table(f"rates of {kb.name}", _rows(kb, rates, counts))
 
 
 def _document(kb: KnowledgeBase, rates: Rates, counts: Counts, scenes: int) -> str:

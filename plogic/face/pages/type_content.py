@@ -166,7 +166,7 @@ def type_document(kb: KnowledgeBase, kind: ObjectType) -> dict[str, Any]:
             f"It has {len(kind.seen_features)} features with {len(kind.lobes.types)} lobes; {len(kept)} features, evenly chosen, are drawn and "
             f"counted (at most {MOST_FEATURES}, with at most {MOST_LOBES} lobes)."
         )
-    names = _names(kind)
+    names = sorted({feature.type for feature in kind.all_features})
     types = {name: i for i, name in enumerate(names)}
     return {
         "format": "type_page/1",
@@ -194,10 +194,6 @@ def chosen(kind: ObjectType) -> NDArray[np.int64]:
     while len(kept) > MOST_FEATURES or lobes[kept].sum() > MOST_LOBES:
         kept = np.linspace(0, total - 1, min(MOST_FEATURES, len(kept) * 9 // 10)).round().astype(np.int64)
     return kept
-
-
-def _names(kind: ObjectType) -> list[str]:
-    return sorted({feature.type for feature in kind.all_features})
 
 
 def _types(kb: KnowledgeBase, kind: ObjectType, names: Iterable[str]) -> Iterable[list[Any]]:

@@ -1,19 +1,15 @@
 """Options and arguments of commands, what carries them to the functions that do the work, and where these write."""
 
-from __future__ import annotations
-
 import math
 import sys
+from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import click
 
-if TYPE_CHECKING:
-    from collections.abc import Callable
-
-    from plogic.facts.situation import Reading, Reconsider
+from plogic.facts.situation import Reading, Reconsider
 
 READINGS = click.Choice(["score", "posterior"])
 SEED = click.IntRange(0)

@@ -41,7 +41,11 @@ def outline_of(reply: Mapping[str, Any]) -> Outline:
     """The outline in a reply of the process."""
     predicates = tuple(
         Predicate(
-            name, arity, name if not arity else f"{name}({', '.join('_' * arity)})", _meaning(clauses), tuple(clauses)
+            name,
+            arity,
+            name if not arity else f"{name}({', '.join('_' * arity)})",
+            f"{len(clauses)} clause{'s' * (len(clauses) != 1)}",
+            tuple(clauses),
         )
         for name, arity, clauses in reply["predicates"]
     )
@@ -52,7 +56,3 @@ def outline_request(texts: list[dict[str, str]], names: Names | None) -> dict[st
     """What the process is asked; with ``names`` the clauses come with labels for atoms."""
     atoms = None if names is None else {atom: quoted(label) for atom, label in names.labels.items()}
     return {"task": "outline", "texts": texts, "labels": atoms}
-
-
-def _meaning(clauses: list[str]) -> str:
-    return f"{len(clauses)} clause{'s' * (len(clauses) != 1)}"

@@ -6,8 +6,6 @@ The first line out is ``{"kb": {"name", "digest"}}``, or ``{"error": ...}`` and 
 blank, and its line.
 """
 
-from __future__ import annotations
-
 import json
 import os
 import signal
