@@ -10,21 +10,14 @@ order that does not depend on which came first. Where the images share an interi
 
 RCC-8 of two areas of the image at a tolerance (§3.7): which of the eight ways two images can lie to each other.
 
-| relation     | of a to b, at the tolerance t px
-|
-|--------------|--------------------------------------------------------------------------------------------------------|
-| DC           | no common interior, and farther than t from each other
-|
-| EC           | no common interior, and t or less from each other
-|
-| PO           | a common interior, and each sticks out of the other
-|
-| TPP, NTPP    | a common interior, a is covered and b sticks out; the boundaries come as near as t (TPP), or not (NTPP)
-|
-| TPPi, NTPPi  | the converses
-|
-| EQ           | a common interior, and each is covered by the other
-|
+| relation    | of a to b, at the tolerance t px                                                                    |
+|-------------|-----------------------------------------------------------------------------------------------------|
+| DC          | no common interior, and farther than t from each other                                              |
+| EC          | no common interior, and t or less from each other                                                   |
+| PO          | a common interior, and each sticks out of the other                                                 |
+| TPP, NTPP   | a common interior, a is covered and b sticks out; boundaries come as near as t (TPP), or not (NTPP) |
+| TPPi, NTPPi | the converses                                                                                       |
+| EQ          | a common interior, and each is covered by the other                                                 |
 
 The common interior is what is left of the intersection less a seam of t: what is thinner than 2 t is none. Of two areas
 one is covered by the other if no point of it is farther than t from the other. Read from the top each row says what the

@@ -4,21 +4,14 @@ Their converses and coarsenings.
 
 A relation is the RCC-8 term of the image of x to the image of y, times who is in front on the common interior:
 
-| in front on the common interior | RCC-8 of image(x) to image(y)      | names
-|
-|---------------------------------|------------------------------------|--------------------------------------------------|
-| nobody: there is none           | DC, EC                             | non_occludes_dc, _ec
-|
-| x                               | PO, TPP, NTPP                      | partially_occludes_po, _tpp, _ntpp
-|
-| x                               | EQ, TPPi, NTPPi                    | totally_occludes_eq, _tppi, _ntppi
-|
-| y                               | PO, TPPi, NTPPi                    | partially_occluded_by_po, _tppi, _ntppi
-|
-| y                               | EQ, TPP, NTPP                      | totally_occluded_by_eq, _tpp, _ntpp
-|
-| each somewhere                  | PO, EQ, TPP, TPPi, NTPP, NTPPi     | mutually_occludes_po, _eq, _tpp, _tppi, _ntpp,
-_ntppi |
+| in front there        | RCC-8 of image(x) to image(y)  | names                                                 |
+|-----------------------|--------------------------------|-------------------------------------------------------|
+| nobody: there is none | DC, EC                         | non_occludes_dc, _ec                                  |
+| x                     | PO, TPP, NTPP                  | partially_occludes_po, _tpp, _ntpp                    |
+| x                     | EQ, TPPi, NTPPi                | totally_occludes_eq, _tppi, _ntppi                    |
+| y                     | PO, TPPi, NTPPi                | partially_occluded_by_po, _tppi, _ntppi               |
+| y                     | EQ, TPP, NTPP                  | totally_occluded_by_eq, _tpp, _ntpp                   |
+| each somewhere        | PO, EQ, TPP, TPPi, NTPP, NTPPi | mutually_occludes_po, _eq, _tpp, _tppi, _ntpp, _ntppi |
 
 ``Roc``, the name: ``"partially_occludes_tpp"`` (x in front, its image a tangential proper part of y's).
 """

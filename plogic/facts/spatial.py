@@ -12,8 +12,7 @@ Everything here is plain data, of metres, in the camera frame but for the height
 ``plogic.cycle.placing`` make it by geometry, and it comes back from ``interpretation.json``.
 
 ``exclusions``, ``exclusion_lines`` and ``apart_of`` tell, in numbers and in words, which hypotheses A4 keeps out of
-each
-other's worlds: the volume that they share, and how deep.
+each other's worlds: the volume that they share, and how deep.
 """
 
 from __future__ import annotations

@@ -86,7 +86,7 @@ def kb_learn(
 ) -> None:
     """Learn the features of types NAME from their textured meshes, all without features where none is named.
 
-    Or of one from a photo.
+    With --photo: of one type, from a photo instead of a texture.
 
     The turns of a shape that its texture keeps are written into object.yaml as symmetries, unless some are stated
     there.
@@ -142,7 +142,7 @@ def kb_check(folder: str, as_json: bool) -> None:  # noqa: FBT001 - click hands 
 def kb_show(folder: str, name: str | None, html: str | None, as_json: bool) -> None:  # noqa: FBT001 - click hands over flags
     """Show the trees of parts, of all types or of TYPE, the counts and dv.
 
-    Or TYPE in 3D, with its features and their lobes.
+    With --html: TYPE in 3D, with its features and their lobes.
     """
     if html is not None:
         if as_json:
@@ -201,9 +201,7 @@ def kb_learn_rates(scenes: tuple[str, ...], kb_folder: str, add: bool, dry_run: 
 @click.option("--name", required=True, help="Name of the new type.")
 @AS_JSON
 def kb_assimilate(panorama: str, unknown: str, kb_folder: str, name: str, as_json: bool) -> None:  # noqa: FBT001 - click hands over flags
-    """Make a draft type from an unknown object of PANORAMA, what `plogic perceive FRAME... --poses` writes.
-
-    `-` is stdin.
+    """Make a draft type from an unknown object of PANORAMA, which `plogic perceive FRAME... --poses` writes (`-`: stdin).
 
     Its features stand where they were triangulated, with lobes about the viewpoints from which they were seen.
     Where they span a volume, its mesh is a hull of them.

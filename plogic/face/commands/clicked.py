@@ -180,7 +180,7 @@ def next_view(interpretation: str, number: int, seed: int, *, as_json: bool, **o
 def measures(interpretation: str, *, as_json: bool) -> None:
     """Compare the measures of each hypothesis.
 
-    Ev alone and in each mode beside Δi, Shanahan's value, the posterior, dv, rank.
+    They are ev alone and in each mode beside Δi, Shanahan's value, the posterior, dv and rank.
 
     Distinctiveness is told over the types of the knowledge base, and over the instances in Δi.
     """

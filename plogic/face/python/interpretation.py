@@ -86,8 +86,7 @@ class Hypothesis:
 
     ``T_camera_object`` (4, 4) maps points of the object's frame to the camera's, metres. ``status`` is accepted, rival
     or rejected. ``cases`` gives each feature its case A, B, C or D of §4, None outside the image. ``interval`` bounds
-    the
-    probability.
+    the probability.
     """
 
     id: str

@@ -162,9 +162,8 @@ class World:
     """One possible world, with its ``probability`` and bounds of it.
 
     Of a scene: the hypotheses that are ``present``, and the cause of each appearance (None where evidence speaks of
-    what
-    causes leave open). Of a program: the queries that are ``present``, true, in it; worlds in which these are the same
-    are one, with the most probable total choice among them.
+    what causes leave open). Of a program: the queries that are ``present``, true, in it; worlds in which these are the
+    same are one, with the most probable total choice among them.
     """
 
     probability: float

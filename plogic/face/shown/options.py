@@ -144,8 +144,7 @@ class Batching:
     """How ``plogic batch`` works through its frames, and where their lines go.
 
     ``out``: a file, ``-`` for stdout; ``order``: ``input`` or ``done``; ``jobs``: processes of this machine, None for
-    one
-    a core; ``dask``: the address of a cluster that works instead; ``timeout``: seconds that a frame may take.
+    one a core; ``dask``: the address of a cluster that works instead; ``timeout``: seconds that a frame may take.
     """
 
     out: str = "-"
