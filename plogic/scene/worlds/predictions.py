@@ -2,12 +2,12 @@
 
 A reason to doubt (§3.8).
 
-| relation of x to y | prediction                                                                                        |
-|--------------------|---------------------------------------------------------------------------------------------------|
-| non_occludes       | ev(y given x) = ev(y), and the same of x                                                          |
-| partially_occludes | ev(x given y) = ev(x); ev(y given x) >= ev(y), if x hides no detected feature of y                |
-| totally_occludes   | ev(x given y) = ev(x); y has no evidence either way: none of its features is expected or detected |
-| mutually_occludes  | ev(y given x) >= ev(y), if x hides no detected feature of y, and the same of x                    |
+| relation of x to y | prediction                                                                         |
+|--------------------|------------------------------------------------------------------------------------|
+| non_occludes       | ev(y given x) = ev(y), and the same of x                                           |
+| partially_occludes | ev(x given y) = ev(x); ev(y given x) >= ev(y), if x hides no detected feature of y |
+| totally_occludes   | ev(x given y) = ev(x); no feature of y is expected or detected                     |
+| mutually_occludes  | ev(y given x) >= ev(y), if x hides no detected feature of y, and the same of x     |
 
 ev(y given x) is taken in the world of y and x alone, in the situation's mode of reconsideration. Outlines and features
 are two accounts of one geometry, and detections a third: where they contradict each other, a pose is wrong, or a
