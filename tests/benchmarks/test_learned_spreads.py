@@ -54,4 +54,4 @@ def test_a_power_is_found_again(spreads):
 
 def test_a_line_has_the_constant_as_it_is_now(spreads, monkeypatch):
     monkeypatch.setattr(looks, "TURNS", 0.77)
-    assert spreads.line(looks, "TURNS", 0.134, "what").split() == ["looks.TURNS", "0.77", "0.134", "what"]
+    assert spreads.line(looks, "TURNS", 0.134, "what").split() == ["learned_match.TURNS", "0.77", "0.134", "what"]

@@ -201,7 +201,7 @@ def kb_learn_rates(scenes: tuple[str, ...], kb_folder: str, add: bool, dry_run: 
 @click.option("--name", required=True, help="Name of the new type.")
 @AS_JSON
 def kb_assimilate(panorama: str, unknown: str, kb_folder: str, name: str, as_json: bool) -> None:  # noqa: FBT001 - click hands over flags
-    """Make a draft type from an unknown object of PANORAMA, which `plogic perceive FRAME... --poses` writes (`-`: stdin).
+    """Make a draft type from an unknown object of PANORAMA, as `plogic perceive FRAME... --poses` writes it (or `-`).
 
     Its features stand where they were triangulated, with lobes about the viewpoints from which they were seen.
     Where they span a volume, its mesh is a hull of them.

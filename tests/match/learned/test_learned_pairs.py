@@ -140,7 +140,7 @@ def test_fewer_are_the_first_of_more(seed, most):
     assert len(few) == min(most, len(every))
     for name in FIELDS:
         assert getattr(few, name).tolist() == getattr(every, name)[:most].tolist()
-        assert getattr(every.first(most), name).tolist() == getattr(every, name)[:most].tolist()
+        assert getattr(every.take(slice(most)), name).tolist() == getattr(every, name)[:most].tolist()
 
 
 def test_a_textured_floor_does_not_drown_what_stands_elsewhere():
