@@ -10,10 +10,8 @@ Structure only, no numbers. Vocabulary:
 """
 
 from collections.abc import Iterable
-from contextlib import suppress
 from dataclasses import dataclass
 from functools import cached_property
-from graphlib import CycleError, TopologicalSorter
 
 from plogic.base.errors import TooManyHypothesesError
 from plogic.base.walk import by_key
@@ -137,13 +135,11 @@ def _blocks(of: dict[str, tuple[str, ...]]) -> tuple[tuple[str, ...], ...]:
 
 def _settled(of: dict[str, tuple[str, ...]]) -> set[str]:
     """Those who depend on no cycle: nobody, or only such."""
-    sorter = TopologicalSorter(of)
-    with suppress(CycleError):  # it gives what comes before the cycles all the same
-        sorter.prepare()
     settled: set[str] = set()
-    while ready := sorter.get_ready():
+    waiting = of
+    while ready := [h for h, gs in waiting.items() if settled.issuperset(gs)]:
         settled.update(ready)
-        sorter.done(*ready)
+        waiting = {h: gs for h, gs in waiting.items() if h not in settled}
     return settled
 
 

@@ -3,9 +3,7 @@
 A detector looks at pixels and at nothing else. Others register theirs in code (``register``) or from another
 distribution by an entry point of the group ``plogic.detectors`` whose object is a factory without arguments.
 
-Rounding of many numbers at once, to the same decimals as Python's ``round`` of each.
-
-What a detector reports, checked: a third party's mistake becomes one line that names the detector, never a traceback.
+What it reports is checked: a third party's mistake becomes one line that names the detector, never a traceback.
 """
 
 from collections.abc import Callable, Collection, Sequence

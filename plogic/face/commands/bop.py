@@ -69,7 +69,7 @@ def look_of(kb: KnowledgeBase) -> Look:
 
     def look(image: Any, camera: Any) -> list[tuple[str, Any, float]]:  # noqa: ANN401 - arrays
         accepted = perceiver.accepted(detect(image, camera, kb.sought, kb.words))
-        return [(belief.object_type.name, belief.camera_from_object, probability) for belief, probability in accepted]
+        return [(h.object_type.name, h.camera_from_object, probability) for h, probability in accepted]
 
     return look
 

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from sequences import BESIDE, EYE, away_and_back, events, panorama, turned, view
@@ -9,6 +11,7 @@ from synthetic import towers
 
 from geometry.errors import GeometryError
 from geometry.frames import pose_error
+from plogic.match.judged.expectation import FEWEST, hidden_by
 from plogic.sequence.constancy.sight_lines import View
 
 SEEDS = [0, 1, 2]
@@ -93,3 +96,18 @@ def test_the_same_sequence_comes_to_the_same(monkeypatch):
 def test_a_view_of_no_rigid_pose_is_refused():
     with pytest.raises(GeometryError, match="v1: T_world_camera"):
         View("v1", view(1, turned(0.0)).gamma, np.diag([1.0, 1.0, 2.0, 1.0]))
+
+
+def test_what_cannot_stand_together_hides_nothing_of_one_another():
+    """The same body a little farther away reaches into the nearer one (A4), which each line of sight meets first."""
+    known = panorama()
+    known.look(view(1, turned(0.0)))
+    here = view(2, turned(0.0))
+    first, second = known.known
+    pose = first.standing.world_from_object.copy()
+    pose[:3, 3] += 0.05 * (pose[:3, 3] - here.world_from_camera[:3, 3])
+    known.known = [first, replace(second, standing=replace(first.standing, world_from_object=pose))]
+    inside = {k.id: one for k, one in known.expected(here)}
+    assert set(inside) == {first.id, second.id}
+    near, far = inside[first.id], inside[second.id]
+    assert far.expected(hidden_by(far, near)).sum() < FEWEST <= far.expected().sum()
