@@ -18,6 +18,7 @@ from pathlib import Path
 from typing import Any
 
 from ruamel.yaml import YAML
+from ruamel.yaml.composer import MaxDepthExceededError
 from ruamel.yaml.error import MarkedYAMLError, YAMLError
 from ruamel.yaml.nodes import MappingNode, Node, ScalarNode, SequenceNode
 from ruamel.yaml.resolver import VersionedResolver
@@ -105,11 +106,11 @@ def load(file: str, content: bytes) -> Document:
     except MarkedYAMLError as error:
         mark = error.problem_mark or error.context_mark
         line, column = (mark.line + 1, mark.column + 1) if mark else (1, 1)
+        if isinstance(error, MaxDepthExceededError):
+            return _unread(file, f"nested deeper than {MAX_DEPTH} levels", line, column)
         return _unread(file, f"no YAML: {error.problem or error.context}", line, column)
     except (YAMLError, ValueError) as error:
         return _unread(file, f"no YAML: {str(error).splitlines()[0]}")
-    except RecursionError:
-        return _unread(file, f"nested deeper than {MAX_DEPTH} levels")
     builder = _Builder(file)
     data = builder.value(root, ()) if root is not None else None
     return Document(file, data, root, tuple(builder.mistakes))
@@ -144,6 +145,7 @@ def _compose(text: str) -> Node | None:
 def _composed(text: str, *, pure: bool) -> Node | None:
     yaml = YAML(typ="safe", pure=pure)
     yaml.Resolver = _Kinds
+    yaml.max_depth = MAX_DEPTH + 1  # its scanner looks at each open bracket with every token
     root: Node | None = yaml.compose(text)
     return root
 

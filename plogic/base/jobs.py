@@ -75,13 +75,15 @@ def _shared(done: Callable[[Job], Result], jobs: Sequence[Job], processes: int) 
         own = _taken(left)
         for wanted in range(len(jobs)):
             while wanted not in results:
+                if copies.answer(results, wait=False):
+                    continue
                 number = None if wanted in failed else next(own, None)
                 if number is not None:
                     failed.add(number)
                     with suppress(Exception):  # it is done again, and raises, in its turn
                         results[number] = done(jobs[number])
                         failed.remove(number)
-                elif wanted in failed or not copies.answer(results):
+                elif wanted in failed or not copies.answer(results, wait=True):
                     results[wanted] = done(jobs[wanted])
             yield results.pop(wanted)
     finally:
@@ -117,9 +119,9 @@ class _Copies:
                 self._answers.put(end.recv())
         self._answers.put(None)
 
-    def answer(self, results: dict[int, Any]) -> bool:
-        """Wait for one more result; False where there will be none."""
-        while self._open:
+    def answer(self, results: dict[int, Any], *, wait: bool) -> bool:
+        """Take one more result; False where there will be none, or, if nobody is to ``wait``, none is there yet."""
+        while self._open if wait else not self._answers.empty():
             answer = self._answers.get()
             if answer is not None:
                 results[answer[0]] = answer[1]
