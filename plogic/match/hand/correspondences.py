@@ -21,7 +21,7 @@ from geometry.arrays import Floats, Indices, Mask
 from plogic.base.clock import unhurried
 from plogic.match.gamma.data import Columns, Data, blocks
 from plogic.match.gamma.grid import wrapped
-from plogic.match.hand.view_cells import ALL, LOOSE, DistanceMaps, ViewCells, distance_maps
+from plogic.match.hand.view_cells import ALL, LOOSE, DistanceMaps, ViewCells
 
 ARM_TOLERANCE = np.radians(16.0)
 """How far an arm may lie from the edge that the nearest cell predicts: half a cell's width plus the detector's
@@ -251,18 +251,18 @@ def open_pairs(
     allowed: Mask,
     data: Data,
     scales: tuple[float, float],
+    maps: DistanceMaps,
     check: Callable[[], None] = unhurried,
 ) -> Pairs:
     """Pairs of anchors and data that a cell allows within the range of ``scales``.
 
     At most ``MOST_PAIRS``, the best by the anchors' votes.
 
-    ``check`` is called between cells, and blocks of their data, and may raise to end it.
+    ``maps`` of all features, of these data at least, and of no others that an anchor may take; ``check`` is called between cells, and blocks of their data, and may raise to end it.
     """
     if not len(data.ids) or not allowed[anchors].any():
         none = np.zeros(0, dtype=np.intp)
         return Pairs(none, none, none, none, none, np.zeros(0), np.zeros(0))
-    maps = distance_maps(allowed, data)
     found = [_of_cell(cells, c, anchors, allowed, data, scales, check) for c in range(len(cells.directions))]
     alike = np.ones(cells.visible.shape[1])
     worth = np.concatenate([votes(pairs, cells, maps, alike, data, anchors) for pairs in found])
