@@ -213,14 +213,11 @@ def places_of(pairs: Pairs, cells: ViewCells, data: Data, features: Indices | sl
     The cell's picture, turned, scaled and laid on the first datum.
     """
     at = cells.xy[pairs.cell, pairs.feature].astype(np.float32)[:, None]
-    model = cells.xy.astype(np.float32)[:, features][pairs.cell] - at
+    x, y = np.moveaxis(cells.xy.astype(np.float32)[:, features][pairs.cell] - at, -1, 0)
     cos = (pairs.scale * np.cos(pairs.roll)).astype(np.float32)[:, None]
     sin = (pairs.scale * np.sin(pairs.roll)).astype(np.float32)[:, None]
-    places = np.empty_like(model)
-    places[..., 0] = cos * model[..., 0] - sin * model[..., 1]
-    places[..., 1] = sin * model[..., 0] + cos * model[..., 1]
-    places += data.ideal[pairs.datum].astype(np.float32)[:, None]
-    return places
+    places = np.stack([cos * x - sin * y, sin * x + cos * y], axis=-1)
+    return places + data.ideal[pairs.datum].astype(np.float32)[:, None]
 
 
 def votes(
@@ -258,7 +255,9 @@ def open_pairs(
 
     At most ``MOST_PAIRS``, the best by the anchors' votes.
 
-    ``maps`` of all features, of these data at least, and of no others that an anchor may take; ``check`` is called between cells, and blocks of their data, and may raise to end it.
+    ``maps`` of all features, of these data at least, and of no others that an anchor may take.
+
+    ``check`` is called between cells, and blocks of their data, and may raise to end it.
     """
     if not len(data.ids) or not allowed[anchors].any():
         none = np.zeros(0, dtype=np.intp)

@@ -84,8 +84,8 @@ def apart(
     middle, turns = middles[order], poses[order, :3, :3].reshape(-1, 9)
     kind = np.zeros(len(order), np.intp) if kinds is None else kinds[order]
     limits = (near * np.linalg.norm(middle, axis=1)) ** 2
-    rows = {one: np.flatnonzero(kind == one) for one in np.unique(kind)}
-    of_kind = {one: (own, limits[own], *middle[own].T.copy()) for one, own in rows.items()}
+    rows = (np.flatnonzero(kind == one) for one in np.unique(kind))
+    of_kind = {kind[own[0]]: (own, limits[own], *middle[own].T.copy()) for own in rows}
     left = np.ones(len(order), bool)
     chosen: list[int] = []
     for i in range(len(order)):
