@@ -355,27 +355,6 @@ def test_a_bomb_of_aliases_ends_in_a_mistake(tmp_path):
     assert time.perf_counter() - start < 20
 
 
-def test_one_mistake_in_many_places_is_one_line_with_the_first_places(tmp_path):
-    """And an open mesh of one type is told beside the mistakes of another."""
-    many = "\n".join(
-        f"  - {{feature: f{i}, type: apex, at: [0, 0, {i}], appearances: [{{type: knob}}]}}" for i in range(50)
-    )
-    folder = write_small(tmp_path, mesh="\n".join(MESH.splitlines()[:-1]) + "\n")
-    (folder / "objects" / "rod").mkdir()
-    (folder / "objects" / "rod" / "object.yaml").write_text(f"object: rod\nfeatures:\n{many}\n")
-    found = mistakes(folder)
-    (line,) = [line for line in found if "unknown appearance type 'knob'" in line]
-    assert line.startswith("objects/rod/object.yaml:3:")
-    assert "; the same at 4:" in line
-    assert line.endswith(" and 46 more places")
-    assert line.count("; the same at ") == 1
-    (mesh,) = [line for line in found if line.startswith(f"{OBJECT_FILE}:2:")]
-    assert "mesh.file: warning: the mesh is not closed (" in mesh
-    with pytest.raises(KBErrors) as caught:
-        read_kb(folder)
-    assert sum("knob" in mistake.message for mistake in caught.value.mistakes) == 50
-
-
 @pytest.mark.parametrize("text", ["[" * 20_000, "- " * 10_000, "a: " + "[" * 70 + "]" * 70, "{a: " * 10_000])
 def test_deep_nesting_ends_in_a_mistake(text, tmp_path):
     found = mistakes(write_small(tmp_path, kb=text))
