@@ -7,11 +7,17 @@ through again with each collection of garbage, of which there are fewer.
 """
 
 import gc
+import json
 import os
+import sys
 
 os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 
+import pytest
+
 from plogic.logic.safety.author import load_problog
+from plogic.logic.served.engine import through
+from plogic.logic.served.program_child import reply_to
 
 load_problog()
 
@@ -20,3 +26,17 @@ def pytest_collection_finish(session):
     gc.collect()
     gc.freeze()
     gc.set_threshold(50_000, 20, 20)
+
+
+@pytest.fixture
+def programs_run_here():
+    """Requests are served by the code of the child process, without starting one for each: no limits hold."""
+    depth = sys.getrecursionlimit()
+    with through(lambda request: json.loads(json.dumps(reply_to(json.loads(json.dumps(request)))))):
+        yield
+    sys.setrecursionlimit(depth)
+
+
+def pytest_unconfigure():
+    """Libraries that count what is left at the end find nothing."""
+    gc.unfreeze()

@@ -4,7 +4,8 @@ Structure only, no numbers. Vocabulary:
 
 * ``hiders``, the opaque hypotheses, no rivals, whose surface lies before a feature: ``("h2",)``
 * ``Dependence.of["h1"] == ("h2", "h3")``: the presence of h2 and of h3 changes a cell of h1
-* ``Dependence.blocks``: the strongly connected components; one of more than one hypothesis is decided jointly
+* ``Dependence.blocks``: the strongly connected components; one of more than one hypothesis is decided jointly, over the
+  states in which no two are ``Scene.apart``
 * ``Dependence.left_out["h1"] == ("h9",)``: what was not looked at, since at most six occluders are (mode `drop`, and
   joint states)
 """
@@ -45,6 +46,12 @@ class Scene:
         """Appearance id → the candidate features that are matched to it, in the order of Δh."""
         features = ((h, f) for h in self.situation.hypotheses for f in h.features)
         return by_key((f.match, (h, f)) for h, f in features if f.match is not None and h.expects(f))
+
+    @cached_property
+    def apart(self) -> frozenset[tuple[str, str]]:
+        """The pairs, in both orders, that Σc forbids to be present together (A4, D8)."""
+        pairs = self.situation.overlaps | self.situation.exclusive
+        return pairs | {(y, x) for x, y in pairs}
 
     def rival(self, x: str, y: str) -> bool:
         """Whether the two never hide each other (§4.1)."""

@@ -52,6 +52,10 @@ LISTED_REJECTED = 12
 """Rejected hypotheses that are written, the best first; the trace names them all."""
 
 
+IMPOSSIBLE = "no possible world holds it: its probability is 0"
+"""Said of what is accepted all the same."""
+
+
 @uncollected()
 def document_of(
     kb: KnowledgeBase,
@@ -151,12 +155,17 @@ def _hypotheses(delta: Delta, gamma: Gamma, ranking: Ranking, dv: Mapping[str, f
             "label": belief.type,
             "status": cast("Status", belief.status),
             **_verdict(belief, gamma, dv),
+            "why": _why(belief, ranking.marginals[name]),
             "ev_reconsidered": _reconsidered(name, delta),
             **_apart(apart.get(name)),
             "probability": ranking.marginals[name],
         }
         for name, belief in delta.beliefs.items()
     ]
+
+
+def _why(belief: Hypothesis, probability: float) -> str:
+    return f"{belief.why}; {IMPOSSIBLE}" if belief.status == "accepted" and probability == 0.0 else belief.why
 
 
 def _apart(lines: list[str] | None) -> ApartKey:

@@ -22,7 +22,7 @@ from plogic.facts.situation import SEARCH, WORLDS, Stopped
 from plogic.match.gamma.data import Data, data_of
 from plogic.match.kinds import FAST, GENERATORS, models_of
 from plogic.measures.distinctiveness import distinctiveness, instance_counts
-from plogic.run.document import document_of
+from plogic.run.document import IMPOSSIBLE, document_of
 from plogic.scene.readings.unfinished import marked
 from plogic.scene.worlds.ranked_worlds import Ranking, ranked_worlds
 from sensing.appearance import Gamma
@@ -158,16 +158,28 @@ def perceiver_of(kb: KnowledgeBase, generator: str = FAST, processes: int | None
 def ranked(delta: Delta, trace: list[StepRow], seconds: float | None = None) -> tuple[Delta, Ranking]:
     """The worlds of Δh; with ``seconds``, what is known of them by then.
 
-    Where dogmatic P(ev) of 0 and 1 leave none (§8, trap c), the program is smoothed, and the trace says so.
+    Where dogmatic P(ev) of 0 and 1 leave none (§8, trap c), or none with anything that was accepted, the program is
+    smoothed. The trace says so, and of which accepted hypotheses the probability is 0.
     """
+    accepted = [name for name, belief in delta.beliefs.items() if belief.status == "accepted"]
     try:
-        return delta, ranked_worlds(delta.situation, LISTED_WORLDS, seconds=seconds)
+        ranking = ranked_worlds(delta.situation, LISTED_WORLDS, seconds=seconds)
+        any_left = any(ranking.marginals[name] > 0.0 for name in accepted) or not accepted
+        why = "" if any_left else "no possible world holds anything that was accepted"
     except InconsistentError as error:
-        trace.append(_step(len(trace) + 1, "smooth", f"{error}: the score program is smoothed by {SMOOTHED}"))
-        softer = replace(delta, situation=replace(delta.situation, smoothing=SMOOTHED))
-        return softer, ranked_worlds(softer.situation, LISTED_WORLDS, seconds=seconds)
+        why = str(error)
+        if delta.situation.smoothing > 0.0:
+            raise
+    if why and delta.situation.smoothing == 0.0:
+        trace.append(_step(len(trace) + 1, "smooth", f"{why}: the score program is smoothed by {SMOOTHED}"))
+        delta = replace(delta, situation=replace(delta.situation, smoothing=SMOOTHED))
+        ranking = ranked_worlds(delta.situation, LISTED_WORLDS, seconds=seconds)
+    for name in (name for name in accepted if ranking.marginals[name] == 0.0):
+        trace.append(_step(len(trace) + 1, "impossible", IMPOSSIBLE, name, delta.beliefs[name]))
+    return delta, ranking
 
 
-def _step(number: int, event: str, why: str) -> StepRow:
+def _step(number: int, event: str, why: str, name: str | None = None, of: Hypothesis | None = None) -> StepRow:
     """One more of a trace that is written already."""
-    return {"step": number, "event": event, "hypothesis": None, "type": None, "ev": None, "why": why}
+    kind, ev = (None, None) if of is None else (of.type, of.ev)
+    return {"step": number, "event": event, "hypothesis": name, "type": kind, "ev": ev, "why": why}

@@ -64,15 +64,19 @@ def _block(scene, graph, block, present):
     for h in block:
         p = acceptance(scene, scene.by_id[h], present, graph.of[h])
         weight *= np.where(present[h], p, 1.0 - p)
-    return weight if len(block) == 1 else _normalised(weight, block, present)
+    return weight if len(block) == 1 else _normalised(weight, block, present, scene.situation)
 
 
-def _normalised(weight, block, present):
-    """Per context, sum to 1; where no state is stable, the empty one takes it all."""
+def _normalised(weight, block, present, situation):
+    """Per context, sum to 1 over what Σc allows; where no state is stable, the empty one takes it all."""
     outside = [column for name, column in present.items() if name not in block]
     context = sum(
         (column.astype(np.int64) << bit for bit, column in enumerate(outside)), np.zeros(len(weight), np.int64)
     )
+    lawful = weight.copy()
+    for x, y in situation.overlaps | situation.exclusive:
+        lawful[present[x] & present[y] & (x in block) & (y in block)] = 0.0
+    weight = np.where(np.bincount(context, lawful)[context] > 0, lawful, weight)
     empty = ~np.logical_or.reduce([present[h] for h in block])
     weight = np.where(np.bincount(context, weight)[context] > 0, weight, empty)
     share = weight / np.bincount(context, weight)[context]

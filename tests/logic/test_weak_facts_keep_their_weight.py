@@ -7,9 +7,7 @@ import math
 import numpy as np
 import pytest
 
-from plogic.logic.answers.answer import answers_of_text
-from plogic.logic.dnnf.compiled import compiled
-from plogic.logic.grounding.load import ground, request_from
+from plogic.logic.answers.answer import answers_of_text, prepared
 
 
 def test_thousands_of_weak_facts_as_evidence():
@@ -22,7 +20,7 @@ def test_thousands_of_weak_facts_as_evidence():
     log_odds = math.log(0.3 / 0.7) + n * math.log(0.01 / 0.02)
     found = answers_of_text(text)["h"]
     assert found == 0.0 if log_odds < -745 else found == pytest.approx(math.exp(log_odds))
-    program = compiled(ground(request_from({"texts": [{"text": text, "file": "p"}]})))
+    _, program = prepared({"texts": [{"text": text, "file": "program"}]})  # the one that has just answered
     expected = float(np.logaddexp(math.log(0.3) + n * math.log(0.01), math.log(0.7) + n * math.log(0.02)))
     assert float(program.log_mass([()])[0]) == pytest.approx(expected, rel=1e-12)
 

@@ -8,6 +8,8 @@ from situations import towers
 from plogic.logic.served.engine import Text
 from plogic.scene.asking.explanations import explain
 
+pytestmark = pytest.mark.usefixtures("programs_run_here")
+
 WET = Text("0.3::rain. 0.5::sprinkler. wet :- rain. wet :- sprinkler, \\+ rain. 0.9::slip(X) :- wet, p(X). p(a). p(b).")
 
 

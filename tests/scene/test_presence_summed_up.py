@@ -10,6 +10,8 @@ from plogic.scene.asking.explanations import explain, present
 from plogic.scene.asking.presence import contributions
 from plogic.scene.worlds.ranked_worlds import ranked_worlds
 
+pytestmark = pytest.mark.usefixtures("programs_run_here")
+
 
 def test_the_score_reading_counts_concordant_features_and_names_who_hides_what():
     account = present(towers(mode="to_B"), "present(t2)")

@@ -10,6 +10,8 @@ import pytest
 from plogic.logic.served.engine import Text, run
 from plogic.scene.asking.explanations import explain
 
+pytestmark = pytest.mark.usefixtures("programs_run_here")
+
 ALARM = """
 0.1::burglary. 0.2::earthquake.
 0.95::alarm :- burglary, earthquake. 0.94::alarm :- burglary, \\+ earthquake. 0.29::alarm :- \\+ burglary, earthquake.

@@ -20,6 +20,8 @@ from plogic.logic.served.engine import Text, run
 from plogic.scene.asking.query import answers, answers_to_all
 from plogic.scene.worlds.ranked_worlds import ranked_worlds
 
+pytestmark = pytest.mark.usefixtures("programs_run_here")
+
 
 def asked(subject, goal, **options):
     return {a.goal: a.probability for a in answers(subject, goal, **options)}

@@ -9,6 +9,8 @@ from plogic.face.session.account_text import account_text
 from plogic.logic.served.engine import Text
 from plogic.scene.asking.explanations import explain
 
+pytestmark = pytest.mark.usefixtures("programs_run_here")
+
 SHOP = Text("""
 open(X) :- shop(X), \\+ holiday, staff(X, S), awake(S).
 open(X) :- kiosk(X).

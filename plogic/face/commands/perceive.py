@@ -70,7 +70,7 @@ def _of_one(source: str, options: Perceiving, say: Say, write: Say) -> int:
         perceiver = perceiver_of(kb, options.generator)
     document = perceiver(gamma, _chosen(options), image, clock)
     status = _write_all(document, options, image, clock, write)
-    for line in (_summary(document, clock), *_doubts(document)):
+    for line in (_summary(document, clock), *_impossible(document), *_doubts(document)):
         say(line)
     return status
 
@@ -178,6 +178,15 @@ def _doubts(document: Interpretation) -> list[str]:
         said(Doubt(row["relation"], (row["args"][0], row["args"][1]), row["expected"], row["found"], row["why"]))
         for row in document["doubts"]
         if set(row["args"]) <= accepted
+    ]
+
+
+def _impossible(document: Interpretation) -> list[str]:
+    """A line for each accepted hypothesis that no possible world holds."""
+    return [
+        f"{h['id']} {h['type']}: {h.get('why')}"
+        for h in document["hypotheses"]
+        if h["status"] == "accepted" and h["probability"] == 0.0
     ]
 
 

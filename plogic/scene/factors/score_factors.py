@@ -15,6 +15,7 @@ over who is present, which the graph takes as gates.
 """
 
 from collections.abc import Sequence
+from itertools import combinations
 from typing import NamedTuple
 
 import numpy as np
@@ -217,27 +218,32 @@ def _columns(seen: Seen, names: tuple[str, ...]) -> dict[str, Mask]:
 
 
 def _add_block(tables: Tables, cast: Cast, seen: Seen, block: tuple[str, ...]) -> None:
-    """One alternative over the joint states S.
+    """One alternative over the joint states S that Σc allows.
 
-    Π_{h∈S} p_h(S) · Π_{h∉S} (1 − p_h(S)), normalised for each context of outside occluders.
+    Π_{h∈S} p_h(S) · Π_{h∉S} (1 − p_h(S)), normalised for each context of outside occluders (§8).
     """
     names = (*block, *seen.graph.outside(block))
-    present, weight = _columns(seen, names), np.ones(2 ** len(names))
+    present, weight, allowed = _columns(seen, names), np.ones(2 ** len(names)), np.ones(2 ** len(names), np.bool_)
     for name in block:
         p = acceptance(seen.scene, seen.scene.by_id[name], present, seen.graph.of[name])
         weight *= np.where(present[name], p, 1.0 - p)
-    shares = normalised(weight.reshape(-1, 2 ** len(block))).ravel()
+    for x, y in combinations(block, 2):
+        if (x, y) in seen.scene.apart:
+            allowed &= ~(present[x] & present[y])
+    size = 2 ** len(block)
+    shares = normalised(weight.reshape(-1, size), allowed.reshape(-1, size)).ravel()
     logs = np.full(len(shares), IMPOSSIBLE)
     logs[shares > 0] = np.log(shares[shares > 0])
     tables.add_bits(_literals(cast, names), logs)
 
 
-def normalised(weight: Chances) -> Chances:
-    """(contexts, 2^k): rows that sum to 1, nothing possible below LEAST.
+def normalised(weight: Chances, allowed: Mask) -> Chances:
+    """(contexts, 2^k): rows that sum to 1 over the states that Σc allows, nothing possible below LEAST.
 
-    Where no state is stable, the empty one takes it all.
+    Where no state is stable, the empty one takes it all; where only such are as Σc forbids, it is left to cut them.
     """
-    weight = weight.copy()
+    lawful = weight * allowed
+    weight = np.where(lawful.sum(axis=1, keepdims=True) > 0, lawful, weight)
     weight[weight.sum(axis=1) <= 0, 0] = 1.0
     share = weight / weight.sum(axis=1, keepdims=True)
     lifted = np.where(share > 0, np.maximum(share, LEAST), 0.0)

@@ -9,6 +9,7 @@ deterministic. Layer 3, the choices, depends on the reading. Score: the choices 
 
 import math
 from collections.abc import Iterator
+from itertools import combinations
 
 from plogic.base.bounds import alternative, bounded
 from plogic.facts.dependence import Scene, dependence
@@ -100,7 +101,10 @@ def _picking(w: Writer, h: Hypothesis) -> Iterator[str]:
 
 
 def _joint(w: Writer, key: str, block: tuple[str, ...]) -> Iterator[str]:
-    """One alternative over joint states S, weight Π_{h∈S} p_h(S) · Π_{h∉S} (1 − p_h(S)), a context of occluders."""
+    """One alternative a context of occluders over the joint states S that Σc allows.
+
+    Their weights are Π_{h∈S} p_h(S) · Π_{h∉S} (1 − p_h(S)).
+    """
     yield ""
     yield f"% {w.atoms(*block)} occlude each other in a cycle: decided jointly."
     yield from block_clauses(w, key, block)
@@ -111,6 +115,8 @@ def _joint(w: Writer, key: str, block: tuple[str, ...]) -> Iterator[str]:
 def _states(w: Writer, key: str, block: tuple[str, ...], context: tuple[str, ...]) -> list[tuple[float, str]]:
     states = contexts(block)
     weights = [_weight(w, block, state, context) for state in states]
+    lawful = [p * w.scene.apart.isdisjoint(combinations(s, 2)) for p, s in zip(weights, states, strict=True)]
+    weights = lawful if any(lawful) else weights  # where only such are stable as Σc forbids, its evidence cuts them
     shares = alternative(weights) or [1.0] + [0.0] * (len(states) - 1)  # no stable state: none of them is accepted
     return [(p, f"joint({key}, {w.list(context)}, {w.list(s)})") for p, s in zip(shares, states, strict=True) if p > 0]
 
