@@ -35,3 +35,8 @@ def programs_run_here():
     with through(lambda request: json.loads(json.dumps(reply_to(json.loads(json.dumps(request)))))):
         yield
     sys.setrecursionlimit(depth)
+
+
+def pytest_unconfigure():
+    """Libraries that count what is left at the end find nothing."""
+    gc.unfreeze()

@@ -61,7 +61,11 @@ def relations_of(
         if (surface := posed[name].object_type.surface) is not None
     }
     some = [(x, y) for x, y in pairs if x in bodies and y in bodies]
-    return tuple(fact for x, y in some for fact in pair_facts(_relation(bodies[x], bodies[y], camera), x, y))
+    return tuple(
+        fact
+        for x, y in some
+        for fact in pair_facts(_relation(bodies[x], bodies[y], camera), x, y, opaque=(posed[x].opaque, posed[y].opaque))
+    )
 
 
 def part_relations_of(
@@ -74,7 +78,9 @@ def part_relations_of(
     return tuple(
         fact
         for x, y, (p, q) in nodes
-        for fact in pair_facts(_relation(bodies[x, p], bodies[y, q], camera), x, y, (p, q))
+        for fact in pair_facts(
+            _relation(bodies[x, p], bodies[y, q], camera), x, y, (p, q), (posed[x].opaque, posed[y].opaque)
+        )
     )
 
 

@@ -313,3 +313,19 @@ class Interpretation(Marks, Listed):
     rules: str
     labels: NotRequired[dict[Name, Name]]
     trace: NotRequired[list[StepRow]]
+
+
+class TrueRow(TypedDict):
+    """One object that truly stands somewhere; its label is null where no knowledge base knows it."""
+
+    label: Name | None
+    T_camera_object: Pose
+    visible_fraction: NotRequired[Chance]
+
+
+class TruthRow(TypedDict):
+    """``truth/1``, beside a scene; ``complete``: whether every object of a known type is listed."""
+
+    format: Literal["truth/1"]
+    objects: list[TrueRow]
+    complete: NotRequired[bool]

@@ -19,7 +19,7 @@ from dataclasses import dataclass, field
 from itertools import count
 from typing import TYPE_CHECKING, Literal
 
-from geometry.visibility.roc import ROC20, Roc, coarse, coarse_converse, converse
+from geometry.visibility.roc import ROC20, Roc, coarse, coarse_converse, converse, parts_of, rcc_converse
 from plogic.facts.spatial import Space
 from plogic.logic.safety.atoms import Names, own_atom
 
@@ -113,14 +113,27 @@ def stopped_in(document: Marks) -> Stopped:
 
 
 _FINE = {name: name for name in ROC20}
+PARTLY = {parts_of(name)[0]: name for name in ROC20 if coarse(name) == "partially_occludes"}
+"""RCC-8 of the images → the partial occlusion of that name."""
 
 
-def pair_facts(relation: Roc, x: str, y: str, parts: tuple[str, str] = ("", "")) -> list[PairFact]:
+def pair_facts(
+    relation: Roc, x: str, y: str, parts: tuple[str, str] = ("", ""), opaque: tuple[bool, bool] = (True, True)
+) -> list[PairFact]:
     """A relation in the vocabulary of queries: ``x`` occluded by ``y`` is said of (y, x).
 
-    What is its own converse when coarse, of both.
+    What is its own converse when coarse, of both. ``relation`` is that of the outlines and of who is in front; what is
+    not ``opaque`` occludes nothing (§3.5-3.7), and where ROC-20 has no name for what is left, none is told.
     """
     word, there, back = coarse(relation), (x, y, relation, parts), (y, x, converse(relation), parts[::-1])
+    rcc, front = parts_of(relation)
+    hides = front in ("x", "both") and opaque[0], front in ("y", "both") and opaque[1]
+    if front != "nobody" and not any(hides):
+        return [PairFact("non_occludes", x, y, "", parts), PairFact("non_occludes", y, x, "", parts[::-1])]
+    if front == "both" and not all(hides):
+        if not hides[0]:
+            (x, y), parts, rcc = (y, x), parts[::-1], rcc_converse(rcc)
+        return [PairFact("partially_occludes", x, y, PARTLY.get(rcc, ""), parts)]
     if word == coarse_converse(word):
         return [PairFact(word, *there), PairFact(word, *back)]
     if word.endswith("_occluded_by"):

@@ -16,14 +16,17 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from geometry.files.plain_files import json_of
+from geometry.frames import is_rigid
 from plogic.base.errors import InputError
+from plogic.base.shapes import mistakes
+from plogic.facts.document import TruthRow
 from plogic.match.gamma.data import Data, data_of
 from plogic.match.judged.expectation import hidden_by, matched, pose_of
 from plogic.match.judged.rivals import same_place
 from plogic.measures.distinctiveness import compatible
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Sequence
+    from collections.abc import Callable, Collection, Sequence
 
     from numpy.typing import NDArray
 
@@ -34,9 +37,11 @@ if TYPE_CHECKING:
 
     Perceive = Callable[[Gamma], Interpretation]
 
-FORMAT = "truth/1"
 LARGEST = 16 * 2**20
 """Bytes of a truth file."""
+ROUNDED = 1e-4
+"""What rounding may take from the entries of a rigid motion in a file."""
+NULL = "; null is the label of what the KB does not know"
 
 
 @dataclass(frozen=True)
@@ -56,44 +61,26 @@ class Truth:
     complete: bool
 
 
-def read_truth(path: Path) -> Truth:
-    """Read a truth file; raises InputError that names the file, the key and what would be right."""
+def read_truth(path: Path, known: Collection[str]) -> Truth:
+    """Read a truth file; ``known``: the types that its labels may name.
+
+    Raises:
+        InputError: every mistake, a line each, with the file, the key, and what would be right.
+    """
     data = json_of(path, LARGEST, "it should hold where objects stand", InputError)
-    if not isinstance(data, dict) or data.get("format") != FORMAT:
-        raise InputError(f"{path}: format: should be {FORMAT!r}")
-    complete, objects = data.get("complete", True), data.get("objects")
-    if not isinstance(complete, bool):
-        raise InputError(f"{path}: complete: {complete!r:.40} should be true or false")
-    if not isinstance(objects, list):
-        raise InputError(f"{path}: objects: should be a list")
-    return Truth(tuple(_object(path, i, entry) for i, entry in enumerate(objects)), complete)
-
-
-def _object(path: Path, index: int, entry: Any) -> TrueObject:  # noqa: ANN401 - parsed JSON
-    place = f"{path}: objects.{index}"
-    if not isinstance(entry, dict):
-        raise InputError(f"{place}: should be an object with label and T_camera_object")
-    label, fraction = entry.get("label"), entry.get("visible_fraction", 1.0)
-    if label is not None and not isinstance(label, str):
-        raise InputError(f"{place}.label: {label!r:.40} should be a type's name, or null")
-    if isinstance(fraction, bool) or not isinstance(fraction, int | float) or not 0.0 <= fraction <= 1.0:
-        raise InputError(f"{place}.visible_fraction: {fraction!r:.40} should be a number from 0 to 1")
-    return TrueObject(label, _pose(f"{place}.T_camera_object", entry.get("T_camera_object")), float(fraction))
-
-
-def _pose(place: str, value: object) -> NDArray[np.float64]:
-    try:
-        pose = np.array(value, dtype=np.float64)
-    except (TypeError, ValueError):
-        pose = np.zeros(0)
-    rigid = (
-        pose.shape == (4, 4)
-        and np.isfinite(pose).all()
-        and np.allclose(pose[:3, :3] @ pose[:3, :3].T, np.eye(3), atol=1e-4)
-    )
-    if not rigid or not np.allclose(pose[3], (0.0, 0.0, 0.0, 1.0)):
-        raise InputError(f"{place}: should be a rigid motion, 4 rows of 4 numbers, metres")
-    return pose
+    wrong = mistakes(data, TruthRow)
+    rows = [] if wrong else data["objects"]
+    for i, row in enumerate(rows):
+        if row["label"] is not None and row["label"] not in known:
+            wrong.append(f"objects.{i}.label: {row['label']!r:.60} is no type of the KB ({', '.join(sorted(known))})")
+        if not is_rigid(row["T_camera_object"], ROUNDED):
+            wrong.append(f"objects.{i}.T_camera_object: should be a rigid motion, 4 rows of 4 numbers, metres")
+    if wrong:
+        raise InputError("\n".join(f"{path}: {line}{NULL if '.label: ' in line else ''}" for line in wrong))
+    objects = [
+        TrueObject(row["label"], np.array(row["T_camera_object"]), row.get("visible_fraction", 1.0)) for row in rows
+    ]
+    return Truth(tuple(objects), data.get("complete", True))
 
 
 @dataclass(frozen=True)
@@ -141,20 +128,16 @@ def record_of(folder: Path, kb: KnowledgeBase, perceive: Perceive) -> Record:
 
     Raises InputError, GammaError, ImageError, CameraError: the message names the file.
     """
-    truth = read_truth(folder / "truth.json")
+    truth = read_truth(folder / "truth.json", _names(kb))
     found = found_in(folder, kb)
     data = data_of(found.gamma.appearances, found.gamma.camera)
-    others = [] if truth.complete else _open(found, _known(truth, kb), kb, perceive)
+    others = [] if truth.complete else _open(found, _known(truth), kb, perceive)
     return record_in(truth, data, kb, others)
 
 
-def _known(truth: Truth, kb: KnowledgeBase) -> list[tuple[str, NDArray[np.float64]]]:
+def _known(truth: Truth) -> list[tuple[str, NDArray[np.float64]]]:
     """(type, pose) of the true objects that the knowledge base knows and of which something is to be seen."""
-    return [
-        (str(o.label), o.camera_from_object)
-        for o in truth.objects
-        if o.label in _names(kb) and o.visible_fraction > 0.0
-    ]
+    return [(o.label, o.camera_from_object) for o in truth.objects if o.label is not None and o.visible_fraction > 0.0]
 
 
 def found_in(folder: Path, kb: KnowledgeBase) -> Found:
@@ -215,7 +198,7 @@ def record_in(
     truth: Truth, data: Data, kb: KnowledgeBase, others: Sequence[tuple[str, NDArray[np.float64]]] = ()
 ) -> Record:
     """The record of one Γ; ``others``: (type, pose) of what was accepted where nobody knows what stands."""
-    true = _known(truth, kb)
+    true = _known(truth)
     posed = [pose_of(kb.type(name), pose, data, kb) for name, pose in true]
     looked = [_looked(one, posed, data, kb) for one in posed]
     slots = [_slot(one, hidden, data, kb, present=True) for one, hidden in looked]

@@ -23,11 +23,13 @@ READ_LATE = frozenset({"XDG_CACHE_HOME", "XDG_STATE_HOME", "NO_COLOR", "PLOGIC_T
 """Variables that are read while a command runs, not while Python starts or packages are imported."""
 FEWER = """\
 import os
+import kb.clouds.words as words
 import kb.learning.observations as views
 count = int(os.environ.get("TEST_DIRECTIONS", "26"))
-views.PIXELS, views.DIRECTIONS = (160.0, 115.0, 80.0), count
+views.PIXELS, views.DIRECTIONS, views.PICTURES = (160.0, 90.0), count, 3
+words.MOST = 256
 """
-"""Read by Python as it starts: the console script itself is as it is, its views are fewer and smaller."""
+"""Read by Python as it starts: the console script itself is as it is, its views and words are fewer and smaller."""
 
 
 def few_views(folder: Path) -> dict[str, str]:

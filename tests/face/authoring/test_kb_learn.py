@@ -150,7 +150,7 @@ def test_a_cache_file_that_was_cut_off_is_learned_anew(learned, surroundings, tm
         1,
         "--kb",
         copy,
-        **surroundings | {"XDG_CACHE_HOME": str(tmp_path), "TEST_DIRECTIONS": "8"},
+        **surroundings | {"XDG_CACHE_HOME": str(tmp_path), "TEST_DIRECTIONS": "3"},
     )
     assert done.returncode == 0, done.stderr
     assert "was learned before" not in done.stderr
@@ -160,7 +160,7 @@ def test_a_cache_file_that_was_cut_off_is_learned_anew(learned, surroundings, tm
 def test_a_cache_that_cannot_be_written_is_no_reason_to_fail(learned, surroundings, tmp_path):
     copy = shutil.copytree(learned[0], tmp_path / "kb")
     (tmp_path / "file").write_text("")
-    elsewhere = {"XDG_CACHE_HOME": str(tmp_path / "file"), "TEST_DIRECTIONS": "6"}
+    elsewhere = {"XDG_CACHE_HOME": str(tmp_path / "file"), "TEST_DIRECTIONS": "2"}
     done = plogic("kb", "learn", "cube", "--jobs", 1, "--kb", copy, **surroundings | elsewhere)
     assert done.returncode == 0, done.stderr
     assert "cube: is not remembered for the next time" in done.stderr
@@ -178,7 +178,7 @@ def test_a_texture_that_shows_nothing_is_one_clear_line(folder, tmp_path, surrou
     cv2.imwrite(str(tmp_path / "cube.png"), np.full((8, 8, 3), 130, np.uint8))
     good("kb", "add", "plain", "--mesh", tmp_path / "cube.obj", "--units", "m", "--kb", folder)
     (line,) = refused(
-        folder, "--detector", "orb", **surroundings | {"TEST_DIRECTIONS": "4"}
+        folder, "--detector", "orb", **surroundings | {"TEST_DIRECTIONS": "2"}
     )  # SIFT sees its outline, as a region
     assert line.startswith("plogic: plain: no keypoint of it comes again")
 
@@ -237,7 +237,7 @@ def test_a_cloud_and_words_go_where_the_folder_says(learned, surroundings, tmp_p
     (copy / "vocabulary.npz").write_bytes((learned[0] / "words.npz").read_bytes())
     before = bytes_in(copy)
     done = plogic(
-        "kb", "learn", "cube", "--jobs", 1, "--seed", 3, "--kb", copy, **surroundings | {"TEST_DIRECTIONS": "8"}
+        "kb", "learn", "cube", "--jobs", 1, "--seed", 3, "--kb", copy, **surroundings | {"TEST_DIRECTIONS": "3"}
     )
     assert done.returncode == 0, done.stderr
     after = bytes_in(copy)
