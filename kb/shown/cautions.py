@@ -162,15 +162,8 @@ def _of_learned(kind: ObjectType) -> Iterator[str]:
 
 
 def _of_mesh(kind: ObjectType) -> Iterator[str]:
-    surface = kind.surface
-    if surface is None or surface.solid is surface:
-        return
-    what = f"the mesh is not closed ({surface.faults})" if not surface.closed else "the mesh encloses no volume"
-    solid, done, refused = surface.mended
-    if solid is not None:
-        yield f"{what}; repaired for shared volume (A4): {done}; {solid.volume:.4g} m3"
-    else:
-        yield f"{what}; refused as a solid: {refused}. It hides what is behind it all the same, but A4 says nothing of it: others may stand in it"
+    if kind.surface is not None and kind.surface.caution:
+        yield kind.surface.caution
 
 
 def _named(names: list[str]) -> str:

@@ -74,6 +74,17 @@ class Surface:
         """
         return is_closed(self.triangles)
 
+    @cached_property
+    def caution(self) -> str:
+        """Why A4 says nothing of this mesh, or what had to be repaired; '' for a closed one."""
+        if self.solid is self:
+            return ""
+        what = f"the mesh is not closed ({self.faults})" if not self.closed else "the mesh encloses no volume"
+        solid, done, refused = self.mended
+        if solid is not None:
+            return f"{what}; repaired for shared volume (A4): {done}; {solid.volume:.4g} m3"
+        return f"{what}; refused as a solid: {refused}. It hides what is behind it all the same, but A4 says nothing of it: others may stand in it"
+
     @property
     def solid(self) -> "Surface | None":
         """The closed surface whose volume A4 is about: this one, or it repaired.

@@ -4,7 +4,7 @@ All are said, at their places, and none costs a walk through the others.
 """
 
 import pytest
-from small_kb import KB, write_small
+from small_kb import KB, MESH, write_small
 
 from kb.errors import KBErrors
 from kb.files.branches import held, path_to, without
@@ -75,3 +75,24 @@ def test_of_many_mistakes_a_hundred_are_told(tmp_path):
     lines = str(caught.value).splitlines()
     assert len(caught.value.mistakes) >= 5000
     assert (len(lines), lines[-1]) == (101, f"and {len(caught.value.mistakes) - 100} more")
+
+
+def test_one_mistake_in_many_places_is_one_line_with_the_first_places(tmp_path):
+    """And an open mesh of one type is told beside the mistakes of another."""
+    many = "\n".join(
+        f"  - {{feature: f{i}, type: apex, at: [0, 0, {i}], appearances: [{{type: knob}}]}}" for i in range(50)
+    )
+    folder = write_small(tmp_path, mesh="\n".join(MESH.splitlines()[:-1]) + "\n")
+    (folder / "objects" / "rod").mkdir()
+    (folder / "objects" / "rod" / "object.yaml").write_text(f"object: rod\nfeatures:\n{many}\n")
+    with pytest.raises(KBErrors) as caught:
+        read_kb(folder)
+    found = str(caught.value).splitlines()
+    (line,) = [line for line in found if "unknown appearance type 'knob'" in line]
+    assert line.startswith("objects/rod/object.yaml:3:")
+    assert "; the same at 4:" in line
+    assert line.endswith(" and 46 more places")
+    assert line.count("; the same at ") == 1
+    (mesh,) = [line for line in found if line.startswith("objects/tent/object.yaml:2:")]
+    assert "mesh.file: warning: the mesh is not closed (" in mesh
+    assert sum("knob" in mistake.message for mistake in caught.value.mistakes) == 50
