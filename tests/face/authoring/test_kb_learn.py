@@ -37,7 +37,6 @@ def surroundings(tmp_path_factory):
 def learned(tmp_path_factory, surroundings):
     """A knowledge base in three commands, and what the last one said."""
 
-
     def make(folder):
         good("kb", "new", folder / "kb")
         good("kb", "add", "cube", "--mesh", write_cube(folder, 100.0), "--units", "cm", "--kb", folder / "kb")

@@ -34,7 +34,6 @@ def surroundings(tmp_path_factory):
 def learned(tmp_path_factory, surroundings):
     """A knowledge base, its parts renamed by their author, and what ``kb add`` and ``kb learn`` said."""
 
-
     def make(folder):
         good("kb", "new", folder / "kb")
         added = good("kb", "add", "twins", "--mesh", write_twins(folder), "--units", "m", "--kb", folder / "kb")
