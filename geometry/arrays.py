@@ -1,6 +1,7 @@
 """Arrays that are checked once and can never be written again."""
 
 from collections.abc import Iterable
+from functools import reduce
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -45,3 +46,8 @@ def last_axes(values: ArrayLike, shape: Iterable[int], name: str) -> Floats:
 
 def _fits(want: int, got: int) -> bool:
     return want in (-1, got)
+
+
+def summed(values: Floats) -> Floats:
+    """The sums (...) over a last axis of two to seven, to the same bit as numpy's and far sooner."""
+    return reduce(np.add, np.moveaxis(values, -1, 0))

@@ -20,7 +20,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from geometry.arrays import Floats, last_axes
+from geometry.arrays import Floats, last_axes, summed
 from geometry.camera import NEAREST, Camera
 from geometry.errors import GeometryError
 
@@ -114,7 +114,7 @@ def chosen_of(which: NDArray[np.bool_], those: Floats, others: Floats) -> Floats
 
 def cost_of(seen: Seen, task: Task) -> Floats:
     """Weighted sum (B,) of squares, of Huber's function beyond its bound; inf where a point of weight lies behind."""
-    square = (seen.off * seen.off).sum(axis=-1)
+    square = summed(seen.off * seen.off)
     if np.isfinite(task.huber):
         distance = np.sqrt(square)
         square = np.where(distance <= task.huber, square, task.huber * (2 * distance - task.huber))
@@ -127,7 +127,7 @@ def normal_equations(seen: Seen, task: Task) -> tuple[Floats, Floats]:
     turned, placed, off, s = seen
     weight = task.weights
     if np.isfinite(task.huber):
-        weight = weight * np.minimum(1.0, task.huber / np.maximum(np.linalg.norm(off, axis=-1), 1e-12))
+        weight = weight * np.minimum(1.0, task.huber / np.maximum(np.sqrt(summed(off * off)), 1e-12))
     jacobian = counting(jacobian_of(turned, placed, s, task.K), task.onto)
     weighted = np.swapaxes(jacobian * np.repeat(weight, 2, axis=1)[..., None], 1, 2)
     return weighted @ jacobian, (weighted @ off.reshape(len(off), -1, 1))[..., 0]
@@ -138,18 +138,19 @@ def jacobian_of(turned: Floats, placed: Floats, s: Floats, K: Floats) -> Floats:
 
     `turned` are their arms to the turn's middle.
     """
-    by_point = np.zeros((*s.shape, 2, 3))  # d pixel / d point
+    both = np.empty((*s.shape, 2, 6))
+    by_point = both[..., 3:]  # d pixel / d point
     by_point[..., :2] = K[:, :2] * s[..., None, None]
     ideal = placed[..., :2] * s[..., None]
     by_point[..., 2] = -(ideal @ K[:, :2].T) * s[..., None]
-    by_turn = _cross(turned[..., None, :], by_point)  # row . (w x p) = w . (p x row)
-    return np.concatenate([by_turn, by_point], axis=-1).reshape(len(placed), -1, 6)
+    _cross(turned[..., None, :], by_point, both[..., :3])  # row . (w x p) = w . (p x row)
+    return both.reshape(len(placed), -1, 6)
 
 
-def _cross(a: Floats, b: Floats) -> Floats:
+def _cross(a: Floats, b: Floats, out: Floats | None = None) -> Floats:
     """The product (..., 3) of (..., 3) and (..., 3), as numpy's, without what that does besides."""
     x, y, z, u, v, w = *(a[..., axis] for axis in range(3)), *(b[..., axis] for axis in range(3))
-    return np.stack([y * w - z * v, z * u - x * w, x * v - y * u], axis=-1)
+    return np.stack([y * w - z * v, z * u - x * w, x * v - y * u], axis=-1, out=out)
 
 
 def counting(jacobian: Floats, onto: Floats | None) -> Floats:

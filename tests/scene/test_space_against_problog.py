@@ -10,6 +10,7 @@ import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 from situations import POSE, feature, hypothesis, random_situations, situation
+from stock_problog import evaluated
 
 from plogic.base.errors import InconsistentError
 from plogic.facts.situation import names_of
@@ -57,14 +58,9 @@ def with_space(subject, seed):
 
 def stock(subject, goal):
     """Goal, as users write it, → probability, where it is positive."""
-    from problog import get_evaluatable
-    from problog.program import PrologString
-
     from plogic.logic.safety.mapping import shown
 
-    results = (
-        get_evaluatable("ddnnf").create_from(PrologString(f"{program_text(subject)}\nquery({goal}).\n")).evaluate()
-    )
+    results = evaluated(f"{program_text(subject)}\nquery({goal}).\n")
     names = names_of(subject)
     return {shown(term, names): p for term, p in results.items() if p > 0}
 

@@ -21,7 +21,7 @@ from geometry.arrays import Floats, Indices, Mask
 from plogic.base.clock import unhurried
 from plogic.match.gamma.data import Columns, Data, blocks
 from plogic.match.gamma.grid import wrapped
-from plogic.match.hand.view_cells import ALL, LOOSE, DistanceMaps, ViewCells, distance_maps
+from plogic.match.hand.view_cells import ALL, LOOSE, DistanceMaps, ViewCells
 
 ARM_TOLERANCE = np.radians(16.0)
 """How far an arm may lie from the edge that the nearest cell predicts: half a cell's width plus the detector's
@@ -213,14 +213,11 @@ def places_of(pairs: Pairs, cells: ViewCells, data: Data, features: Indices | sl
     The cell's picture, turned, scaled and laid on the first datum.
     """
     at = cells.xy[pairs.cell, pairs.feature].astype(np.float32)[:, None]
-    model = cells.xy.astype(np.float32)[:, features][pairs.cell] - at
+    x, y = np.moveaxis(cells.xy.astype(np.float32)[:, features][pairs.cell] - at, -1, 0)
     cos = (pairs.scale * np.cos(pairs.roll)).astype(np.float32)[:, None]
     sin = (pairs.scale * np.sin(pairs.roll)).astype(np.float32)[:, None]
-    places = np.empty_like(model)
-    places[..., 0] = cos * model[..., 0] - sin * model[..., 1]
-    places[..., 1] = sin * model[..., 0] + cos * model[..., 1]
-    places += data.ideal[pairs.datum].astype(np.float32)[:, None]
-    return places
+    places = np.stack([cos * x - sin * y, sin * x + cos * y], axis=-1)
+    return places + data.ideal[pairs.datum].astype(np.float32)[:, None]
 
 
 def votes(
@@ -251,18 +248,20 @@ def open_pairs(
     allowed: Mask,
     data: Data,
     scales: tuple[float, float],
+    maps: DistanceMaps,
     check: Callable[[], None] = unhurried,
 ) -> Pairs:
     """Pairs of anchors and data that a cell allows within the range of ``scales``.
 
     At most ``MOST_PAIRS``, the best by the anchors' votes.
 
+    ``maps`` of all features, of these data at least, and of no others that an anchor may take.
+
     ``check`` is called between cells, and blocks of their data, and may raise to end it.
     """
     if not len(data.ids) or not allowed[anchors].any():
         none = np.zeros(0, dtype=np.intp)
         return Pairs(none, none, none, none, none, np.zeros(0), np.zeros(0))
-    maps = distance_maps(allowed, data)
     found = [_of_cell(cells, c, anchors, allowed, data, scales, check) for c in range(len(cells.directions))]
     alike = np.ones(cells.visible.shape[1])
     worth = np.concatenate([votes(pairs, cells, maps, alike, data, anchors) for pairs in found])

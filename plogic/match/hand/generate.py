@@ -77,7 +77,7 @@ def generate(
 
 def _from_pairs(index: TypeIndex, allowed: Mask, maps: DistanceMaps, data: Data, check: Callable[[], None]) -> Floats:
     """(N, 4, 4) the poses of those pairs that the anchors vote for most."""
-    coarse = _pairs(index, allowed, data, check)
+    coarse = _pairs(index, allowed, maps, data, check)
     check()
     worth = votes(coarse, index.cells, maps, index.weights, data, index.anchors)
     return coarse_poses(coarse.take(np.sort(np.argsort(-worth, kind="stable")[:VOTED])), index.cells, data)
@@ -99,13 +99,17 @@ def _from_triples(index: TypeIndex, allowed: Mask, maps: DistanceMaps, data: Dat
     return poses[np.sort(np.argsort(-worth, kind="stable")[:VOTED])]
 
 
-def _pairs(index: TypeIndex, allowed: Mask, data: Data, check: Callable[[], None]) -> Pairs:
+def _pairs(index: TypeIndex, allowed: Mask, maps: DistanceMaps, data: Data, check: Callable[[], None]) -> Pairs:
     """Pairs by the junctions' arms where the detector gave arms, by places alone where it gave none."""
     anchored = np.asarray(allowed[index.anchors].any(axis=0))
     some, columns = data.only(anchored), np.flatnonzero(anchored)
     edged = index.cells.arms.shape[2] > 0 and bool(np.isfinite(some.arms).any()) and len(index.links) > 0
-    made, ends = (linked_pairs, index.links) if edged else (open_pairs, index.anchors)
-    found = made(index.cells, ends, allowed[:, columns], some, _scales(index, data), check)
+    own = allowed[:, columns], some, _scales(index, data)
+    found = (
+        linked_pairs(index.cells, index.links, *own, check)
+        if edged
+        else open_pairs(index.cells, index.anchors, *own, maps, check)
+    )
     return replace(found, datum=columns[found.datum], other_datum=columns[found.other_datum])
 
 

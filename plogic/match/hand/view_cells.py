@@ -204,28 +204,28 @@ def distance_maps(
     """
     rows, of_feature = np.unique(allowed, axis=0, return_inverse=True)
     shape = (data.camera.height, data.camera.width)
-    made = []
-    for row in rows:
+    distance, nearest = np.full((len(rows), *shape), np.inf, np.float32), np.full((len(rows), *shape), -1, np.int32)
+    for row, far, who in zip(rows, distance, nearest, strict=True):
         check()
-        made.append(_one_map(np.flatnonzero(row), data.ideal, shape))
+        _draw_map(np.flatnonzero(row), data.ideal, far, who)
     nothing = np.zeros(shape, dtype=bool) if covered is None else covered
-    return DistanceMaps(np.stack([m[0] for m in made]), np.stack([m[1] for m in made]), of_feature.reshape(-1), nothing)
+    return DistanceMaps(distance, nearest, of_feature.reshape(-1), nothing)
 
 
-def _one_map(members: Indices, places: Floats, shape: tuple[int, int]) -> tuple[NDArray[np.float32], NDArray[np.int32]]:
+def _draw_map(members: Indices, places: Floats, distance: NDArray[np.float32], nearest: NDArray[np.int32]) -> None:
+    """Write one map (H, W) over ``distance`` and ``nearest``; where no datum is inside, they stay."""
     pixels = np.rint(places[members])
-    inside = (
-        (pixels >= 0).all(axis=1) & (pixels[:, 0] < shape[1]) & (pixels[:, 1] < shape[0])
-    )  # of what the lens images nowhere, False
+    # of what the lens images nowhere, False
+    inside = (pixels >= 0).all(axis=1) & (pixels < distance.shape[::-1]).all(axis=1)
     members, pixels = members[inside], pixels[inside].astype(int)
     if not len(members):
-        return np.full(shape, np.inf, dtype=np.float32), np.full(shape, -1, dtype=np.int32)
-    free = np.full(shape, 255, dtype=np.uint8)
+        return
+    free = np.full(distance.shape, 255, dtype=np.uint8)
     free[pixels[:, 1], pixels[:, 0]] = 0
-    distance, label = cv2.distanceTransformWithLabels(free, cv2.DIST_L2, 5, labelType=cv2.DIST_LABEL_PIXEL)
+    _, label = cv2.distanceTransformWithLabels(free, cv2.DIST_L2, 5, distance, nearest, cv2.DIST_LABEL_PIXEL)
     owner = np.full(int(label.max()) + 1, -1, dtype=np.int32)
     owner[label[pixels[:, 1], pixels[:, 0]]] = members
-    return np.asarray(distance), owner[label]
+    nearest[:] = owner[label]
 
 
 SHARP = 4.0

@@ -82,16 +82,20 @@ def apart(
     turned, near = alike
     order = np.argsort(-worth, kind="stable")
     middle, turns = middles[order], poses[order, :3, :3].reshape(-1, 9)
-    limits = (near * np.linalg.norm(middle, axis=1)) ** 2
     kind = np.zeros(len(order), np.intp) if kinds is None else kinds[order]
+    limits = (near * np.linalg.norm(middle, axis=1)) ** 2
+    rows = (np.flatnonzero(kind == one) for one in np.unique(kind))
+    of_kind = {kind[own[0]]: (own, limits[own], *middle[own].T.copy()) for own in rows}
     left = np.ones(len(order), bool)
     chosen: list[int] = []
-    while left.any() and len(chosen) < most:
-        i = int(left.argmax())
-        chosen.append(int(order[i]))
-        beside = (kind == kind[i]) & (((middle - middle[i]) ** 2).sum(axis=1) < limits)
-        left &= ~(beside & (turns @ turns[i] > 1.0 + 2.0 * np.cos(turned)))
-        left[i] = False
+    for i in range(len(order)):
+        if len(chosen) == most:
+            break
+        if left[i]:
+            chosen.append(int(order[i]))
+            own, limit, x, y, z = of_kind[kind[i]]
+            beside = own[(x - middle[i, 0]) ** 2 + (y - middle[i, 1]) ** 2 + (z - middle[i, 2]) ** 2 < limit]
+            left[beside[turns[beside] @ turns[i] > 1.0 + 2.0 * np.cos(turned)]] = False
     return chosen
 
 

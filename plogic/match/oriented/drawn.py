@@ -23,7 +23,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from geometry.arrays import Floats, Indices
+from geometry.arrays import Floats, Indices, summed
+from geometry.frames import rotated
 from geometry.poses.reprojection import information
 from kb.clouds.lobes import GRAIN
 from plogic.match.gamma.data import centre_of, viewpoints_of
@@ -60,12 +61,12 @@ def shown(index: PairIndex, kind: Indices, poses: Floats) -> Shown:
     seen = np.zeros((len(kind), lobes.feature.shape[1]), bool)
     for one in np.unique(kind):
         rows, count = np.flatnonzero(kind == one), lobes.own[one]
-        seen[rows, :count] = index.cells[one].visible[cells[rows]].any(axis=1)[:, lobes.feature[one, :count]]
+        seen[rows, :count] = index.cells[one].visible[cells[rows].T].any(axis=0)[:, lobes.feature[one, :count]]
     pose, lobe = np.nonzero(seen)
     own = kind[pose], lobe
     feature = lobes.feature[own]
     view = views[pose] - index.points[kind[pose], feature]
-    held = (view * lobes.axis[own]).sum(axis=1) >= lobes.cos_half[own] * np.linalg.norm(view, axis=1) - GRAIN
+    held = summed(view * lobes.axis[own]) >= lobes.cos_half[own] * np.sqrt(summed(view * view)) - GRAIN
     return Shown(pose[held], feature[held], lobes.looks[own][held])
 
 
@@ -160,15 +161,15 @@ def _pairs(asked: Asked, sights: _Sights, sigma: Floats, spread: float, within: 
     """All that are near enough; a datum is of that one of a pose's sights that it is likeliest to be of."""
     places, angles = asked.typed.places, asked.typed.angles
     sight, datum = asked.typed.of(sights.looks)
-    coarse, at = places.astype(np.float32), sights.uv.astype(np.float32)
-    x, y = (coarse[datum, axis] - at[sight, axis] for axis in (0, 1))
+    coarse, at = (np.ascontiguousarray(rows.T, np.float32) for rows in (places, sights.uv))
+    x, y = (coarse[axis][datum] - at[axis][sight] for axis in (0, 1))
     near = np.flatnonzero(x * x + y * y <= ((within * sigma[sights.pose]) ** 2).astype(np.float32)[sight])
     sight, datum = sight[near], datum[near]
     bent = wrapped(angles[datum] - sights.angle[sight])
     right = np.flatnonzero(np.abs(bent) <= within * spread)
     sight, datum, bent = sight[right], datum[right], bent[right]
     away, wide = places[datum] - sights.uv[sight], sigma[sights.pose[sight]]
-    bell = np.exp(-0.5 * ((away * away).sum(axis=1) / wide**2 + (bent / spread) ** 2)) / (
+    bell = np.exp(-0.5 * (summed(away * away) / wide**2 + (bent / spread) ** 2)) / (
         wide**2 * spread * np.sqrt(2.0 * np.pi)
     )
     likely = sights.hit[sight] * bell * asked.area / asked.chances.clutter[sights.looks[sight]]
@@ -204,7 +205,7 @@ def _held(sights: _Sights, pairs: _Pairs, part: Floats, weight: Floats, poses: i
 def _freedom(asked: Asked, kind: Indices, poses: Floats, held: Held, noise: Noise, sigma: Floats) -> Floats:
     """(N,) the logarithm of the share of all poses that fit about as well."""
     points, _, weight, across = met(poses, held, noise, asked.camera, sigma)
-    at = np.einsum("nij,nvj->nvi", poses[:, :3, :3], points) + poses[:, None, :3, 3]
+    at = rotated(poses[:, :3, :3], points) + poses[:, None, :3, 3]
     middle = np.einsum("nij,nj->ni", poses[:, :3, :3], asked.index.centres[kind]) + poses[:, :3, 3]
     at[weight <= 0.0] = [0.0, 0.0, 1.0]
     middle[:, 2] = np.maximum(middle[:, 2], NEAREST)

@@ -11,6 +11,7 @@ from plogic.match.hand.correspondences import MOST_PAIRS, open_pairs
 from plogic.match.hand.extend import coarse_poses
 from plogic.match.hand.generate import generate
 from plogic.match.hand.triples import plane_triples
+from plogic.match.hand.view_cells import distance_maps
 
 
 def view(name, seed, clutter=6, distance=(3.0, 6.0), **options):
@@ -21,7 +22,11 @@ def view(name, seed, clutter=6, distance=(3.0, 6.0), **options):
 
 def pairs_of(name, data, scales=(10.0, 2000.0)):
     index = perceiver().models[name]
-    return open_pairs(index.cells, index.anchors, index.allowed(data), data, scales)
+    return of_allowed(index, index.allowed(data), data, scales)
+
+
+def of_allowed(index, allowed, data, scales):
+    return open_pairs(index.cells, index.anchors, allowed, data, scales, distance_maps(allowed, data))
 
 
 def test_a_gamma_without_arms_still_gives_the_right_pose_from_pairs_alone():
@@ -74,4 +79,4 @@ def test_nothing_gives_no_pair():
     _, data = view("t1", 5117)
     index = perceiver().models["t1"]
     nothing = np.zeros((len(index.points), len(data.ids)), dtype=bool)
-    assert len(open_pairs(index.cells, index.anchors, nothing, data, (10.0, 2000.0)).cell) == 0
+    assert len(of_allowed(index, nothing, data, (10.0, 2000.0)).cell) == 0
