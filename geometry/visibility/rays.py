@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from geometry.arrays import Floats, Ints, Mask, frozen, frozen_ints, last_axes, lengths, summed
+from geometry.arrays import Floats, Ints, Mask, check_room, frozen, frozen_ints, last_axes, lengths, summed
 from geometry.errors import GeometryError
 from geometry.frames import inverse, transform_points
 
@@ -43,7 +43,7 @@ class RayMesh:
         corners = self.vertices[self.triangles]
         self._corner = corners[:, 0]
         self._normals = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
-        _check_room(_TRIANGLE * len(self.triangles))
+        check_room(_TRIANGLE * len(self.triangles))
         self._scene = EmbreeScene(device=_device(), robust=True)  # no cracks along shared edges
         unit = ((self.vertices - self._centre) * self._scale).astype(np.float32)
         self._mesh = TriangleMesh(self._scene, unit, self.triangles.astype(np.int32))
@@ -106,13 +106,8 @@ def _device() -> Any:  # noqa: ANN401 - it has no stubs
     """
     from embreex.rtcore import EmbreeDevice
 
-    _check_room(_DEVICE)
+    check_room(_DEVICE)
     return EmbreeDevice()
-
-
-def _check_room(size: int) -> None:
-    """Raise MemoryError where there are not so many bytes: Embree would end the process."""
-    np.empty(size, np.uint8)
 
 
 def checked_mesh(vertices: ArrayLike, triangles: ArrayLike) -> tuple[Floats, Ints]:

@@ -151,10 +151,10 @@ def test_what_the_graph_has_summed_out_is_outside(goal):
 def test_a_rule_with_a_choice_of_its_own_is_outside_and_one_without_is_not():
     rules = Text("tall(H) :- object(H, t1). 0.5::lucky(H) :- present(H).", "mine.pl")
     subject = towers("posterior")
-    (answer,) = scene_answers(subject, ["tall(H)"], rules=rules)[0]
+    (answer,) = scene_answers(replace(subject, own=rules), ["tall(H)"])[0]
     assert answer.goal == "tall(t1)"
     with pytest.raises(OutsideError):
-        scene_answers(subject, ["lucky(H)"], rules=rules)
+        scene_answers(replace(subject, own=rules), ["lucky(H)"])
 
 
 def test_an_unknown_predicate_is_no_question_of_inside_and_outside():

@@ -136,6 +136,6 @@ def test_on_two_together_needs_both():
 def test_rules_of_a_file_may_speak_of_space():
     subject = with_space(situation([hypothesis(f"h{i}", [feature("x", match=f"a{i}")]) for i in range(2)]), 3)
     rules = Text("close_by(X, Y) :- gap(X, Y, V), V < 10.\n", "rules.pl")
-    found = scene_answers(subject, ["close_by(h0, h1)"], rules=rules)[0]
+    found = scene_answers(replace(subject, own=rules), ["close_by(h0, h1)"])[0]
     assert [a.probability for a in found] == [1.0]
     assert math.isclose(sum(p for p in stock(subject, "gap(h0, h1, V)").values()), 1.0)
