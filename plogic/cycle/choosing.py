@@ -14,12 +14,19 @@ from collections.abc import Callable, Sequence
 from dataclasses import replace
 from typing import TypeAlias
 
-from plogic.cycle.judging import judge, refusal, rounded
+from plogic.cycle.judging import judge, refusal, rounded, set_aside
 from plogic.cycle.state import Stable, State, Step, Task, among, free, step_of
 from plogic.facts.hypothesis import Hypothesis
 from plogic.match.gamma.data import Data
 from plogic.match.judged.evidence import pose_information
-from plogic.match.judged.rivals import apart_on_screen, hidden_among, moved_apart
+from plogic.match.judged.rivals import (
+    SHARED_CLAIMS,
+    apart_on_screen,
+    excludes,
+    hidden_among,
+    moved_apart,
+    shared_claims,
+)
 
 HEAVIER = 1e-6
 """By how much a glance must be heavier than what is kept: two that only rounding tells apart are the same, whether
@@ -136,6 +143,32 @@ def concluded(task: Task, state: State) -> State:
         why = "the deadline came first" if task.deadline.passed else why
         state = replace(state, rejected=(*state.rejected, hypothesis.told(status="rejected", why=why)))
         state = state.tells(Step("release", f"{why}; its data are released", hypothesis.type))
+    return state
+
+
+def exchanged(task: Task, state: State) -> State:
+    """The state with the best rival in Δi, if Δi is heavier so by more than chance is worth.
+
+    It stands beside the others, where all can be moved apart (A4), or in the place of what it excludes: what was
+    accepted first may stand in the way of what explains more.
+    """
+    for rival in sorted(state.rivals, key=lambda h: -h.worth):
+        excluded = [h for h in state.accepted if excludes(rival, h)]
+        enough = state.stable.weight + task.models[rival.type].significance(rival)
+        ways = [[]] * all(shared_claims(rival, h)[1] <= SHARED_CLAIMS for h in excluded) + [excluded]
+        for lost in ways:
+            if state.stable.weight + rival.worth - sum(h.worth for h in lost) <= enough:
+                continue
+            task.deadline.check()
+            others = [h for h in state.accepted if not any(h is one for one in lost)]
+            found = stable(task, (*others, accepted(rival)), (acceptance(rival),))
+            if found.weight > enough:
+                task.heaviest.keep(found)
+                rivals = tuple(h for h in state.rivals if h is not rival)
+                state = replace(state, accepted=found.of, stable=found, rivals=rivals, turns=state.turns + 1)
+                for one in lost:
+                    state = set_aside(task, state, one, "Δi explains more with another in its place")
+                return state
     return state
 
 

@@ -16,7 +16,7 @@ from typing import NamedTuple
 from geometry.arrays import Floats
 from kb.clouds.cloud import KnowledgeBase
 from plogic.base.clock import OutOfTimeError
-from plogic.cycle.choosing import Choice, acceptance, accepted, best_first, chosen, concluded, glance, kept
+from plogic.cycle.choosing import Choice, acceptance, accepted, best_first, chosen, concluded, exchanged, glance, kept
 from plogic.cycle.judging import compared, judge, judged, left_over, making_way, refusal, set_aside
 from plogic.cycle.state import Attention, Cycle, State, Step, Task, Trace, among, considered, free, step_of
 from plogic.cycle.support import supported
@@ -151,7 +151,12 @@ def rounds(task: Task, state: State, choose: Choice = best_first) -> Iterator[St
                 yield (state := after)
             if turns < state.turns:
                 break
-    yield from compared(task, state)
+    for after in compared(task, state):
+        yield (state := after)
+    turns, state = state.turns, exchanged(task, state)
+    yield state
+    if turns < state.turns:
+        yield from rounds(task, state, choose)
 
 
 def choose_of_before(task: Task, state: State, choose: Choice) -> Iterator[State]:
