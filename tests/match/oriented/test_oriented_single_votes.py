@@ -17,7 +17,6 @@ from plogic.match.oriented.asked import typed_data
 from plogic.match.oriented.oriented_search import Search, coarse_poses
 from plogic.match.oriented.single_votes import CELL, FEWEST, SCALE, TURNS, single_votes
 
-
 TWO = 1, 2
 """Types by number, the one that is there in trial 6 among them."""
 
