@@ -25,6 +25,7 @@ from plogic.face.shown.options import (
     READINGS,
     RECONSIDER,
     ROBOT,
+    RULES,
     SEED,
     SMOOTHING,
     SOURCE,
@@ -112,6 +113,7 @@ def perceive(inputs: tuple[str, ...], kb_folder: str, **options: Any) -> None:
 @SOURCE
 @click.option("-n", "number", type=click.IntRange(1), default=10, show_default=True)
 @GIVEN
+@RULES
 @READING
 @DEADLINE
 @TRUST
@@ -130,7 +132,7 @@ def worlds(source: str, number: int, given: tuple[str, ...], as_json: bool, **op
 @SOURCE
 @click.argument("goal", required=False)
 @GIVEN
-@click.option("--rules", type=click.Path(), help="A file of your own rules.")
+@RULES
 @READING
 @DEADLINE
 @TRUST
@@ -152,6 +154,7 @@ def query(source: str, goal: str | None, given: tuple[str, ...], as_json: bool, 
 @click.option(
     "-n", "number", type=click.IntRange(1), help="Explanations of each kind (default: 5; of present(h), a summary)."
 )
+@RULES
 @READING
 @TRUST
 @AS_JSON
@@ -165,6 +168,7 @@ def explain(source: str, goal: str, given: tuple[str, ...], number: int | None, 
 
 @cli.command()
 @SOURCE
+@RULES
 @READING
 @TRUST
 def shell(source: str, **options: Any) -> None:

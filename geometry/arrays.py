@@ -15,6 +15,11 @@ Mask = NDArray[np.bool_]  # any shape
 Bytes = NDArray[np.uint8]  # any shape: pixels, descriptors
 
 
+def check_room(size: int) -> None:
+    """Raise MemoryError where there are not so many bytes, before a library that would end the process takes them."""
+    np.empty(size, np.uint8)
+
+
 def frozen(values: ArrayLike) -> Floats:
     """A read-only copy of `values` as doubles; later writes to the original do not reach it."""
     array = np.array(values, dtype=np.float64)
@@ -51,3 +56,8 @@ def _fits(want: int, got: int) -> bool:
 def summed(values: Floats) -> Floats:
     """The sums (...) over a last axis of two to seven, to the same bit as numpy's and far sooner."""
     return reduce(np.add, np.moveaxis(values, -1, 0))
+
+
+def lengths(vectors: Floats) -> Floats:
+    """The Euclidean lengths (...) along such an axis, to the same bit as numpy's and far sooner."""
+    return np.asarray(np.sqrt(summed(vectors * vectors)))

@@ -29,6 +29,7 @@ if TYPE_CHECKING:
     from plogic.facts.document import Marks
     from plogic.facts.hypothesis import Hypothesis
     from plogic.facts.spatial import Gravity
+    from plogic.logic.served.engine import Text
 
 Reading = Literal["score", "posterior"]
 Reconsider = Literal["to_B", "drop", "reassign"]
@@ -78,8 +79,8 @@ class Situation:
     tables for queries. ``relations`` are of whole hypotheses that can be present together, ``part_relations`` of a part
     of one and a part of another, or the whole of it. ``space`` says where bodies are, and decides no probability of a
     world; ``gravity`` who holds whom, which decides some (Σc); None where nobody said that it holds. ``rules`` is the
-    author's ``rules.pl``. ``stopped`` says whether more time would have found more; it decides no probability of what
-    was.
+    author's ``rules.pl``, ``own`` those of who asks, which no document holds. ``stopped`` says whether more time would
+    have found more; it decides no probability of what was.
     """
 
     reading: Reading
@@ -98,6 +99,7 @@ class Situation:
     rank: dict[str, float] = field(default_factory=dict)
     smoothing: float = 0.0
     rules: str = ""
+    own: Text | None = None
     stopped: Stopped = ""
 
 

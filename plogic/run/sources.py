@@ -12,7 +12,6 @@ from numpy.typing import NDArray
 from geometry.files.plain_files import is_there
 from plogic.base.clock import Stopwatch
 from plogic.base.errors import InputError
-from plogic.logic.served.engine import Text
 
 if TYPE_CHECKING:
     from geometry.camera import Camera
@@ -115,8 +114,3 @@ def program_text_of(path: str) -> str:
         raise InputError(f"{path}: cannot be read: {error.strerror}") from None
     except UnicodeDecodeError as error:
         raise InputError(f"{path}: is not UTF-8 text (byte {error.start})") from None
-
-
-def rules_from(path: str | None) -> Text | None:
-    """A file of a user's own rules."""
-    return None if path is None else Text(program_text_of(path), path)

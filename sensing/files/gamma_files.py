@@ -16,6 +16,7 @@ from typing import Annotated, Any, Literal, Self
 
 from pydantic import BaseModel, ConfigDict, Field, ValidationError, model_validator
 
+from geometry.arrays import check_room
 from geometry.camera import Camera, camera_from_dict, camera_mistakes, camera_to_dict
 from geometry.files.plain_files import name_of, parsed_json, text_of
 from sensing.appearance import Appearance, Gamma
@@ -28,6 +29,8 @@ MAX_BYTES = 64 * 1024 * 1024
 MAX_APPEARANCES = 20_000
 MAX_DESCRIPTOR = 1024
 """Bytes that a descriptor may have."""
+_ROOM = 4096
+"""Bytes that an appearance takes at most while its keys are checked; pydantic ends the process that has none left."""
 _Number = Annotated[float, Field(strict=True, allow_inf_nan=False)]
 _Text = Annotated[str, Field(strict=True, min_length=1, max_length=200)]
 
@@ -143,8 +146,12 @@ def _line(loc: tuple[int | str, ...], message: str, value: object) -> str:
 
 
 def _content_mistakes(data: object, camera: Camera | None, vocabulary: Collection[str] | None) -> list[str]:
-    """Mistakes beyond the document's shape: ids given twice, places outside the image, types the KB has not."""
+    """Mistakes beyond the document's shape: ids given twice, places outside the image, types the KB has not.
+
+    Raises MemoryError where there is no room to check the shape of so many.
+    """
     rows = data.get("appearances") if isinstance(data, dict) else None
+    check_room(_ROOM * len(rows) if isinstance(rows, list) else 0)
     lines: list[str] = []
     first: dict[str, int] = {}
     known, named = frozenset(vocabulary or ()), ", ".join(sorted(vocabulary or ()))

@@ -221,7 +221,7 @@ def boxes():
 
 
 def test_both_sides_see_the_same_pictures_and_the_peer_finds_poses(tmp_path, monkeypatch):
-    monkeypatch.setattr("benchmarks.recognition.peer.ITERATIONS", 2000)
+    monkeypatch.setattr("benchmarks.recognition.peer.ITERATIONS", 500)
     monkeypatch.setattr(recognition_scenes, "QUICK_SCENES", 2)
     monkeypatch.setattr(recognition_scenes, "EMPTY_EVERY", 2)
     monkeypatch.setattr("benchmarks.tabletop.scene.TWINS", 0.0)

@@ -79,7 +79,7 @@ def test_exchanged_looks_are_more_types_and_nothing_of_theirs_is_there(ready, po
     assert after.types == before.types + 12
     assert after.right == before.right
     assert 2.0 < after.others.sum() / before.others.sum() < 8.0
-    few = trial(ready.kb.types[1], ready.kb, EASY, np.random.default_rng(5000), appearances=120)
+    few = trial(ready.kb.types[1], ready.kb, EASY, np.random.default_rng(5000), appearances=80)
     assert falsely_accepted(ready, few.gamma, np.random.default_rng(1)) == 0
 
 
@@ -92,7 +92,7 @@ def test_the_object_is_laid_and_found(ready, posed):
 
 def test_all_tables_are_there(monkeypatch):
     """In images of fewer data than the benchmark's."""
-    monkeypatch.setattr("benchmarks.scale.bench.trial", partial(trial, appearances=250))
+    monkeypatch.setattr("benchmarks.scale.bench.trial", partial(trial, appearances=120))
     plan = Plan((2, 4, 8), (100,), frames=1, trials=2, caps=1, deep=1, passes=(2,), built=4, kept=4)
     said: list[str] = []
     document = json.loads(run(seed=50, quick=True, as_json=True, say=said.append, plan=plan)[0])

@@ -34,7 +34,8 @@ words.MOST = 256
 
 def few_views(folder: Path) -> dict[str, str]:
     """Variables with which a type is learned from few and small views, and kept below ``folder``."""
-    (folder / "sitecustomize.py").write_text(FEWER)
+    if not (folder / "sitecustomize.py").exists():
+        (folder / "sitecustomize.py").write_text(FEWER)
     return {"PYTHONPATH": str(folder), "XDG_CACHE_HOME": str(folder / "cache")}
 
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cache
 from itertools import product
 
 from hypothesis import strategies as st
@@ -40,7 +41,7 @@ class Drawn:
         for chosen in product(*outcomes):
             p = 1.0
             for label, _ in chosen:
-                p *= max(eval(label), 0.0)  # noqa: S307 - our own labels
+                p *= max(_value(label), 0.0)
             true = {atom for _, atom in chosen}
             for head, body in self.rules:
                 if all((atom in true) != negated for negated, atom in body):
@@ -48,6 +49,7 @@ class Drawn:
             if p > 1e-12:
                 yield p, true
 
+    @cache  # noqa: B019 - programs of the tests, asked several times each
     def held(self):
         """The worlds in which the evidence holds."""
         return [
@@ -57,7 +59,12 @@ class Drawn:
 
 def _rest(alternative):
     """What the outcomes of an alternative leave, as a label."""
-    return str(1 - sum(eval(p) for p, _ in alternative))  # noqa: S307 - labels that this file drew
+    return str(1 - sum(_value(p) for p, _ in alternative))
+
+
+@cache
+def _value(label):
+    return eval(label)  # noqa: S307 - labels that this file drew
 
 
 @st.composite

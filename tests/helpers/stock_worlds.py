@@ -6,6 +6,7 @@ import math
 from itertools import product
 
 import pytest
+from stock_problog import evaluated
 
 from plogic.facts.situation import names_of
 from plogic.scene.text.program_text import program_text
@@ -14,11 +15,7 @@ from plogic.scene.worlds.ranked_worlds import ranked_worlds
 
 def stock(text):
     """Query → probability, by ProbLog's own Python interface."""
-    from problog import get_evaluatable
-    from problog.program import PrologString
-
-    results = get_evaluatable("ddnnf").create_from(PrologString(text)).evaluate()
-    return {str(goal): p for goal, p in results.items()}
+    return {str(goal): p for goal, p in evaluated(text).items()}
 
 
 def worlds_program(subject):

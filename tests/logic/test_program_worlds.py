@@ -48,6 +48,7 @@ def test_the_choices_of_a_world_are_possible_and_lead_to_it(drawn):
     assume(drawn.held())
     found = worlds(drawn.text)
     assert found
+    _, _, best = grouped(drawn)
     for world in found:
         chosen = set(world["choices"])
         fitting = [
@@ -56,7 +57,6 @@ def test_the_choices_of_a_world_are_possible_and_lead_to_it(drawn):
             if _made(chosen, true) and {q for q in drawn.queries if q in true} == set(world["holds"])
         ]
         assert fitting
-        _, _, best = grouped(drawn)
         assert sum(fitting) >= best[frozenset(world["holds"])] * (1 - 1e-9)
 
 

@@ -28,17 +28,29 @@ def scenes(tmp_path_factory):
     return folder
 
 
+def own_kb(folder):
+    """A copy of the shipped towers, with a comment."""
+    shutil.copytree(shipped("towers"), folder / "kb")
+    text = (folder / "kb" / "kb.yaml").read_text().replace("detector:", "detector: # as measured on Monday")
+    (folder / "kb" / "kb.yaml").write_text(text)
+    return folder / "kb"
+
+
 @pytest.fixture
 def my_kb(tmp_path):
-    shutil.copytree(shipped("towers"), tmp_path / "kb")
-    text = (tmp_path / "kb" / "kb.yaml").read_text().replace("detector:", "detector: # as measured on Monday")
-    (tmp_path / "kb" / "kb.yaml").write_text(text)
-    return tmp_path / "kb"
+    return own_kb(tmp_path)
 
 
-def test_rates_are_written_with_their_counts_and_read_back(scenes, my_kb):
+@pytest.fixture(scope="module")
+def learned(scenes, tmp_path_factory):
+    """The finished process of ``learn-rates --json`` from the scenes into a knowledge base, and that one's folder."""
+    kb = own_kb(tmp_path_factory.mktemp("learned"))
+    return plogic("kb", "learn-rates", scenes, "--kb", kb, "--json"), kb
+
+
+def test_rates_are_written_with_their_counts_and_read_back(learned, my_kb):
     before = read_kb(my_kb)
-    run = plogic("kb", "learn-rates", scenes, "--kb", my_kb, "--json")
+    run, my_kb = learned
     assert run.returncode == 0, run.stderr
     document = json.loads(run.stdout)
     assert (document["format"], document["scenes"]) == ("rates/1", 3)
@@ -54,8 +66,9 @@ def test_rates_are_written_with_their_counts_and_read_back(scenes, my_kb):
     assert (kb.rates.sigma, kb.rates.sigmas, kb.f_ref) == (before.rates.sigma, before.rates.sigmas, before.f_ref)
 
 
-def test_the_same_scenes_give_the_same_bytes_and_add_doubles_the_counts(scenes, my_kb):
-    assert plogic("kb", "learn-rates", scenes, "--kb", my_kb).returncode == 0
+def test_the_same_scenes_give_the_same_bytes_and_add_doubles_the_counts(scenes, learned, tmp_path):
+    assert learned[0].returncode == 0
+    my_kb = shutil.copytree(learned[1], tmp_path / "kb")
     once, counts = (my_kb / "kb.yaml").read_bytes(), read_kb(my_kb).rates.counts
     assert plogic("kb", "learn-rates", scenes, "--kb", my_kb).returncode == 0
     assert (my_kb / "kb.yaml").read_bytes() == once

@@ -14,6 +14,7 @@ from enumeration import log_weights
 from hypothesis import HealthCheck, Phase, given, settings
 from hypothesis import strategies as st
 from situations import feature, hypothesis, random_situations, situation, with_gravity
+from stock_problog import evaluated
 
 from plogic.base.errors import InconsistentError, SituationError
 from plogic.facts.situation import names_of
@@ -46,13 +47,10 @@ def _in_this_process():
 
 
 def stock(subject, goals):
-    from problog import get_evaluatable
-    from problog.program import PrologString
-
     from plogic.logic.safety.mapping import shown
 
     text = "".join([program_text(subject), *(f"query({goal}).\n" for goal in goals)])
-    found = get_evaluatable("ddnnf").create_from(PrologString(text)).evaluate()
+    found = evaluated(text)
     return {shown(term, names_of(subject)): p for term, p in found.items() if p > 0}
 
 
@@ -203,8 +201,9 @@ def test_a_removed_holder_leaves_what_it_held_to_float():
 def test_the_relevant_part_gives_the_same_answer(subject, seed):
     subject = with_gravity(subject, seed)
     if worlds_of(subject):
-        for goal in ("present(h1)", "floats(h1)", "rests_on(h1, ground)"):
-            whole, part = (scene_answers(some, [goal])[0] for some in (subject, relevant(subject, [goal])))
+        goals = "present(h1)", "floats(h1)", "rests_on(h1, ground)"
+        for goal, whole in zip(goals, scene_answers(subject, goals), strict=True):
+            part = scene_answers(relevant(subject, [goal]), [goal])[0]
             assert [a.probability for a in part] == pytest.approx([a.probability for a in whole])
 
 

@@ -143,7 +143,7 @@ def test_rules_of_a_knowledge_base_and_of_a_user():
     assert asked(subject, "lucky(t2)")["lucky(t2)"] == pytest.approx(0.961 / 2, abs=5e-4)
     assert ranked_worlds(subject).marginals == ranked_worlds(towers()).marginals
     both = Text("both(X, Y) :- present(X), present(Y), X \\= Y.", "mine.pl")
-    assert asked(towers(), "both(t1, t2)", rules=both)["both(t1, t2)"] == pytest.approx(0.961, abs=5e-4)
+    assert asked(towers(own=both), "both(t1, t2)")["both(t1, t2)"] == pytest.approx(0.961, abs=5e-4)
 
 
 ERRORS = [
@@ -170,7 +170,7 @@ def test_errors_state_file_line_and_column(program, kind, start):
 
 def test_errors_in_rules_and_goals_name_them():
     with pytest.raises(ProgramError, match=r"^mine\.pl:2:6: no clauses for b/0"):
-        answers(towers(), rules=Text("c.\na :- b.", "mine.pl"))
+        answers(towers(own=Text("c.\na :- b.", "mine.pl")))
     with pytest.raises(ProgramError, match=r"^goal:1:8: "):
         answers(towers(), "present(")
     with pytest.raises(PlogicError, match=r"^goal: a goal is one term"):

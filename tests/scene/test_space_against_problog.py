@@ -10,6 +10,7 @@ import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 from situations import POSE, feature, hypothesis, random_situations, situation
+from stock_problog import evaluated
 
 from plogic.base.errors import InconsistentError
 from plogic.facts.situation import names_of
@@ -57,14 +58,9 @@ def with_space(subject, seed):
 
 def stock(subject, goal):
     """Goal, as users write it, → probability, where it is positive."""
-    from problog import get_evaluatable
-    from problog.program import PrologString
-
     from plogic.logic.safety.mapping import shown
 
-    results = (
-        get_evaluatable("ddnnf").create_from(PrologString(f"{program_text(subject)}\nquery({goal}).\n")).evaluate()
-    )
+    results = evaluated(f"{program_text(subject)}\nquery({goal}).\n")
     names = names_of(subject)
     return {shown(term, names): p for term, p in results.items() if p > 0}
 
@@ -140,6 +136,6 @@ def test_on_two_together_needs_both():
 def test_rules_of_a_file_may_speak_of_space():
     subject = with_space(situation([hypothesis(f"h{i}", [feature("x", match=f"a{i}")]) for i in range(2)]), 3)
     rules = Text("close_by(X, Y) :- gap(X, Y, V), V < 10.\n", "rules.pl")
-    found = scene_answers(subject, ["close_by(h0, h1)"], rules=rules)[0]
+    found = scene_answers(replace(subject, own=rules), ["close_by(h0, h1)"])[0]
     assert [a.probability for a in found] == [1.0]
     assert math.isclose(sum(p for p in stock(subject, "gap(h0, h1, V)").values()), 1.0)

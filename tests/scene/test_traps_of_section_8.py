@@ -114,7 +114,7 @@ def test_f_a_cycle_without_a_stable_state_accepts_none():
 def test_g_hundreds_of_weak_appearances(density):
     """The mass of the evidence is far below 1e-100, and stock ProbLog gives the same marginals."""
     many = [
-        hypothesis(f"h{i}", [feature(f"x{j}", match=f"a{i}_{j}", density=density) for j in range(150)])
+        hypothesis(f"h{i}", [feature(f"x{j}", match=f"a{i}_{j}", density=density) for j in range(100)])
         for i in range(2)
     ]
     missed = hypothesis("h2", [feature(f"x{j}", "C") for j in range(100)])

@@ -41,7 +41,7 @@ def worlds_command(
 ) -> tuple[str, int]:
     """The ranked worlds, taken anew, so that any number of them can be had; exit 3 where the deadline was reached."""
     asked = opened(source, options.reading, trust=options.trust)
-    found, ranking = ranked(asked.subject, number, given, asked.limits, options.deadline)
+    found, ranking = ranked(asked.beside(options.rules), number, given, asked.limits, options.deadline)
     if isinstance(asked, Interpretation):
         if isinstance(ranking, Ranking):
             return _of_graph(asked, found, ranking, number, as_json=as_json)
@@ -176,7 +176,9 @@ def explain_command(
     """
     asked = opened(source, options.reading, trust=options.trust)
     try:
-        found = asked.explain(goal, given=given, n=EXPLANATIONS if number is None and as_json else number)
+        found = asked.explain(
+            goal, given=given, rules=options.rules, n=EXPLANATIONS if number is None and as_json else number
+        )
         if as_json:
             return json.dumps({"format": "explanation/1", **asdict(found.account), **marks(found.stopped)})
         return str(found)
@@ -197,7 +199,10 @@ def shell_command(source: str, options: Asking, *, write: Callable[[str], None],
         raise InputError("-: stdin holds the lines of the session; give the interpretation or the program as a file")
     if options.trust and is_program(source):
         say(TRUSTED)
-    with ending_well(), Session.open(source, reading=options.reading, trust=options.trust) as session:
+    with (
+        ending_well(),
+        Session.open(source, reading=options.reading, rules=options.rules, trust=options.trust) as session,
+    ):
         session.greeting()
 
         def write_now(text: str) -> None:

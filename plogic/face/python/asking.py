@@ -1,7 +1,7 @@
 """Questions that an interpretation and a program answer alike, and a program of one's own."""
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from pathlib import Path
 from typing import Self
@@ -13,7 +13,7 @@ from plogic.face.session.minds import ranked
 from plogic.face.session.results import Answers, Worlds
 from plogic.facts.situation import Stopped
 from plogic.logic.served.engine import TOO_DEEP, Limits, Text
-from plogic.run.sources import program_text_of, rules_from
+from plogic.run.sources import program_text_of
 from plogic.scene.asking.explanations import Account, Reason, explain, present
 from plogic.scene.asking.query import Subject, answers, answers_until, stopped_of
 from plogic.scene.readings.unfinished import with_notice
@@ -38,6 +38,12 @@ class Asked:
         """The wall time and memory that one question may take."""
         return Limits(trust=self.trust)
 
+    def beside(self, rules: str | Path | None) -> Subject:
+        """Return the subject with a file of rules of one's own. Raises Error where it cannot be read."""
+        return (
+            self.subject if rules is None else replace(self.subject, own=Text(program_text_of(str(rules)), str(rules)))
+        )
+
     def query(
         self,
         goal: str | None = None,
@@ -58,40 +64,55 @@ class Asked:
         Raises:
             Error: naming file, line and column where the goal or the program cannot be used.
         """
-        subject, evidence = self.subject, literals(given)
+        subject, evidence = self.beside(rules), literals(given)
         goal = goal if goal is not None or isinstance(subject, Text) else "present(H)"
-        own = rules_from(None if rules is None else str(rules))
         if deadline is None:
-            found, exact = answers(subject, goal, given=evidence, rules=own, limits=self.limits), True
+            found, exact = answers(subject, goal, given=evidence, limits=self.limits), True
         else:
-            found, exact = answers_until(subject, goal, seconds=deadline, given=evidence, rules=own, limits=self.limits)
+            found, exact = answers_until(subject, goal, seconds=deadline, given=evidence, limits=self.limits)
         return Answers(goal, tuple(found), stopped_of(subject), exact)
 
-    def worlds(self, n: int = 10, *, given: str | Sequence[str] = (), deadline: float | None = None) -> Worlds:
+    def worlds(
+        self,
+        n: int = 10,
+        *,
+        given: str | Sequence[str] = (),
+        rules: str | Path | None = None,
+        deadline: float | None = None,
+    ) -> Worlds:
         """Return the ``n`` most probable possible worlds, and the interval of the mass of all others.
 
         Args:
             n: how many.
             given: literals that are observed.
+            rules: a file of rules of one's own, which ``given`` may speak of.
             deadline: seconds, after which probabilities are intervals that contain the exact ones.
 
         Raises:
             Error: where evidence cannot be used or leaves no world.
         """
-        return ranked(self.subject, n, literals(given), self.limits, deadline)[0]
+        return ranked(self.beside(rules), n, literals(given), self.limits, deadline)[0]
 
-    def explain(self, goal: str, *, given: str | Sequence[str] = (), n: int | None = None) -> "Explanation":
+    def explain(
+        self,
+        goal: str,
+        *,
+        given: str | Sequence[str] = (),
+        rules: str | Path | None = None,
+        n: int | None = None,
+    ) -> "Explanation":
         """Say why the goal holds, and why not; printed, it is the text of ``plogic explain``.
 
         Args:
             goal: what is to be explained.
             given: literals that are observed.
+            rules: a file of rules of one's own.
             n: explanations of each kind; without a number five, and of ``present(h)`` a summary.
 
         Raises:
             Error: as ``query``.
         """
-        subject, evidence = self.subject, literals(given)
+        subject, evidence = self.beside(rules), literals(given)
         summary = present(subject, goal, given=evidence) if n is None else None
 
         def whole() -> Account:

@@ -12,14 +12,21 @@ from plogic.facts.situation import Reading
 class Session(session.Session):
     """A session about an interpretation or a program: what is observed stays, and is taken back."""
 
-    def __init__(self, about: Asked) -> None:
-        """Begin with nothing observed."""
-        super().__init__(about.subject, limits=about.limits)
+    def __init__(self, about: Asked, *, rules: str | Path | None = None) -> None:
+        """Begin with nothing observed; ``rules``: a file of rules of one's own."""
+        super().__init__(about.beside(rules), limits=about.limits)
 
     @classmethod
-    def open(cls, path: str | Path, *, reading: Reading | None = None, trust: bool = False) -> Self:
+    def open(
+        cls,
+        path: str | Path,
+        *,
+        reading: Reading | None = None,
+        rules: str | Path | None = None,
+        trust: bool = False,
+    ) -> Self:
         """Begin a session about an ``interpretation.json`` or a program's file.
 
         Raises Error where it cannot be read.
         """
-        return cls(opened(path, reading, trust=trust))
+        return cls(opened(path, reading, trust=trust), rules=rules)

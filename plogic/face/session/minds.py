@@ -15,7 +15,17 @@ from plogic.face.session.results import World, Worlds
 from plogic.facts.situation import Situation
 from plogic.facts.vocabulary import entries
 from plogic.logic.safety.atoms import SPELLINGS, quoted
-from plogic.logic.served.engine import Answer, Limits, Process, ProgramRanking, Text, ask, program_worlds, through
+from plogic.logic.served.engine import (
+    Answer,
+    Limits,
+    Process,
+    ProgramRanking,
+    Text,
+    ask,
+    program_worlds,
+    request_of,
+    through,
+)
 from plogic.logic.served.outline import Outline, Predicate, outline_of, outline_request
 from plogic.scene.asking.explanations import Account, explain
 from plogic.scene.asking.live import LiveScene
@@ -53,7 +63,7 @@ class Asked:
         """The program's predicates and constants, read once; raises ProgramError."""
         if self._outline is None:
             text, names = subject_text(self.subject)
-            request = outline_request([{"text": text.text, "file": text.file}], names)
+            request = outline_request(request_of([text], (), (), names)["texts"], names)
             self._outline = outline_of(self._through(lambda: ask(request, self.limits)))
         return self._outline
 
@@ -189,15 +199,17 @@ class SceneMind(Asked):
         return tuple((quoted(label), meaning) for label, meaning in found.items())
 
     def greeting(self) -> str:
-        """How much there is to decide, in which reading."""
+        """How much there is to decide, in which reading. Raises ProgramError for rules of one's own with a mistake."""
         s = self.situation
+        if s.own is not None:
+            self.answers(None, ())
         return f"a scene of {len(s.hypotheses)} hypotheses and {len(s.appearances)} appearances, reading {s.reading}"
 
     def _author(self) -> tuple[Predicate, ...]:
         """What the program has with the author's rules and not without them."""
-        if not self.situation.rules.strip():
+        if not self.situation.rules.strip() and self.situation.own is None:
             return ()
-        plain = SceneMind(replace(self.situation, rules=""), self.limits)
+        plain = SceneMind(replace(self.situation, rules="", own=None), self.limits)
         plain.process = self.process
         ours = {p.signature for p in plain.outline().predicates}
         return tuple(p for p in self.outline().predicates if p.signature not in ours)
@@ -265,12 +277,14 @@ def _of_text(
 
 def _on_graph(situation: Situation, n: int, given: Sequence[str], seconds: float | None) -> Ranking:
     """With a deadline, grounding the evidence included; what it takes then is left of the time."""
-    if not given:
+    if not given and situation.own is None:
         return ranked_worlds(situation, n, seconds=seconds)
     end = None if seconds is None else time.monotonic() + seconds
     scene = LiveScene(situation)
     for goal in given:
         scene.observe(goal, seconds=_left(end))
+    if not given:
+        scene.answers("present(H)", seconds=_left(end))  # rules are read, and what is wrong with them is told
     return scene.worlds(n, seconds=_left(end))
 
 

@@ -22,8 +22,6 @@ SHIFT = 4
 RING = 56
 """Points of a ring; divisible by its four sides and by its dashes."""
 FONT = cv2.FONT_HERSHEY_DUPLEX
-GROWN = 2
-"""Pixels by which a text's casing is larger than the text, on each side."""
 SIGNS: dict[str, tuple[tuple[tuple[int, int], ...], ...]] = {
     "patch": (((-4, -4), (4, -4), (4, 4), (-4, 4), (-4, -4)),),
     "l_junction": (((-3, -4), (-3, 4), (4, 4)),),
@@ -117,8 +115,8 @@ class Pencil:
         origin = round(box[0]), round(box[3])
         cv2.putText(mask, _plain(text), origin, FONT, size, 255, 1, cv2.LINE_AA)
         x, y, wide, high = cv2.boundingRect(mask)
-        here = slice(max(0, y - GROWN), y + high + GROWN), slice(max(0, x - GROWN), x + wide + GROWN)
-        casing = cv2.dilate(mask[here], cv2.getStructuringElement(cv2.MORPH_ELLIPSE, (2 * GROWN + 1, 2 * GROWN + 1)))
+        here = slice(max(0, y - 2), y + high + 2), slice(max(0, x - 2), x + wide + 2)  # the casing is 2 pixels larger
+        casing = cv2.dilate(mask[here], cv2.getStructuringElement(cv2.MORPH_ELLIPSE, (5, 5)))
         for cover, paint in ((casing, DARK), (mask[here], colour)):
             share = cover[..., None] / np.float32(255)
             self.picture[here] = np.round(self.picture[here] * (1 - share) + np.array(paint, np.float32) * share)

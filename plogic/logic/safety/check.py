@@ -33,7 +33,7 @@ REMEMBERED_TEXT = 50_000
 """Characters of a text up to which it is remembered: its terms take some hundred times as many bytes."""
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Source:
     """A parsed text with what is needed to say where something stands."""
 
@@ -91,11 +91,13 @@ def check_source(
 
     ``known`` may be called beside what the text defines; ``protected`` may not be defined by it. A text with something
     protected is a piece added to a program: it may call only what is known. A whole program may also name what has no
-    clauses, as long
-        as it is not
-    called: that is told when it is. ``ANYTHING`` is among the signatures where the text alone does not tell what it
-        defines.
+    clauses, as long as it is not called: that is told when it is. ``ANYTHING`` is among the signatures where the text
+    alone does not tell what it defines.
     """
+    return (_held_before if len(source.text) <= REMEMBERED_TEXT else _held)(source, known, protected)
+
+
+def _held(source: Source, known: frozenset[str], protected: frozenset[str]) -> frozenset[str]:
     try:
         defined = frozenset(head.signature for statement in source.statements for head in heads(statement))
         defined |= frozenset({ANYTHING} if any(_is_open(statement) for statement in source.statements) else ())
@@ -106,6 +108,10 @@ def check_source(
         raise ProgramError("nested too deeply", file=source.file) from None
     checker.tell()
     return defined
+
+
+_held_before = lru_cache(maxsize=16)(_held)
+"""What was found to be allowed is not looked through again with the next question."""
 
 
 def heads(statement: Any) -> list[Any]:  # noqa: ANN401 - a term of ProbLog's
@@ -270,6 +276,7 @@ def with_place(reason: str, place: dict[str, Any]) -> str:
     return ":".join(str(place[key]) for key in ("file", "line", "column") if key in place) + f": {reason}"
 
 
+@lru_cache(maxsize=1)
 def _builtins() -> frozenset[str]:
     return frozenset(DefaultEngine().get_builtins())
 

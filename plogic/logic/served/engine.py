@@ -28,10 +28,14 @@ from plogic.logic.safety.atoms import Names
 
 @dataclass(frozen=True)
 class Text:
-    """A piece of program text; ``file`` is what errors name."""
+    """A piece of program text; ``file`` is what errors name.
+
+    ``own``: rules of a user's own that come with it, and may not add to its predicates.
+    """
 
     text: str
     file: str = "program"
+    own: "Text | None" = None
 
 
 @dataclass(frozen=True)
@@ -65,9 +69,9 @@ def run(
 ) -> list[list[Answer]]:
     """P(goal | evidence) for each goal: a list of answers per goal, most probable first, ties by text.
 
-    The first text is the program, further ones are rules that may not add to its predicates. Without goals the
-    program's own query/1 are asked, in one list. With ``names``, goals, evidence and rules are mapped from labels to
-    atoms, and answers back. Raises ProgramError (with file, line, column as far as ProbLog knows them),
+    The first text is the program; its ``own`` and further texts are rules that may not add to its predicates. Without
+    goals the program's own query/1 are asked, in one list. With ``names``, goals, evidence and rules are mapped from
+    labels to atoms, and answers back. Raises ProgramError (with file, line, column as far as ProbLog knows them),
     InconsistentError, LimitError.
     """
     reply = ask(request_of(texts, goals, given, names), limits or Limits())
@@ -142,8 +146,9 @@ def request_of(
     texts: Sequence[Text], goals: Sequence[str], given: Sequence[str], names: Names | None
 ) -> dict[str, Any]:
     """The request that the child process reads."""
+    pieces = [piece for text in texts for piece in (text, text.own) if piece is not None]
     return {
-        "texts": [{"text": item.text, "file": item.file} for item in texts],
+        "texts": [{"text": piece.text, "file": piece.file} for piece in pieces],
         "goals": list(goals),
         "given": list(given),
         "names": None if names is None else names.atoms,

@@ -24,7 +24,7 @@ from plogic.inference.gates import Literal, observed, with_formulas
 from plogic.inference.graph import Beliefs, FactorGraph
 from plogic.inference.marginals import Remembered
 from plogic.inference.ranked import best
-from plogic.logic.served.engine import Answer, Limits, Text, in_order
+from plogic.logic.served.engine import Answer, Limits, in_order
 from plogic.scene.asking.relevant import restricted
 from plogic.scene.factors.asked_formulas import Asked
 from plogic.scene.factors.goal_meaning import Meaning, meaning
@@ -51,11 +51,11 @@ class LiveScene:
     values.
     """
 
-    def __init__(self, situation: Situation, *, rules: Text | None = None, limits: Limits | None = None) -> None:
+    def __init__(self, situation: Situation, *, limits: Limits | None = None) -> None:
         check(situation)
         self.situation = situation
         self.given: tuple[str, ...] = ()
-        self._rules, self._limits = rules, limits
+        self._limits = limits
         self._memory = Remembered()
         self._meanings: dict[str, Meaning] = {}
 
@@ -155,7 +155,7 @@ class LiveScene:
         key = "given " * len(given) + (given[0] if given else goal)
         if key not in self._meanings:
             goals = () if given else (goal,)
-            self._meanings[key] = meaning(self.situation, goals, given, rules=self._rules, limits=self._limits)
+            self._meanings[key] = meaning(self.situation, goals, given, limits=self._limits)
         return self._meanings[key]
 
     def _posed(self, explicit: Iterable[str] = (), seconds: float | None = None) -> _Posed:
@@ -203,7 +203,6 @@ def scene_answers(
     goals: Sequence[str],
     given: Sequence[str] = (),
     *,
-    rules: Text | None = None,
     limits: Limits | None = None,
     seconds: float | None = None,
 ) -> list[list[Answer]]:
@@ -214,7 +213,7 @@ def scene_answers(
     With ``seconds`` (which the grounding, under ``limits``, does not count against) the answers may be intervals.
     """
     check(situation)
-    meant = meaning(situation, goals, given, rules=rules, limits=limits)
+    meant = meaning(situation, goals, given, limits=limits)
     scene, asked = posed(situation, [meant], (), _solver(Remembered(), seconds))
     return answers_of(meant, scene, asked)
 

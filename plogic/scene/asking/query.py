@@ -25,7 +25,6 @@ def answers(
     goal: str | None = None,
     *,
     given: Sequence[str] = (),
-    rules: Text | None = None,
     limits: Limits | None = None,
 ) -> list[Answer]:
     r"""Each answer to ``goal`` given the evidence, sorted by probability, then text.
@@ -38,7 +37,7 @@ def answers(
     """
     if goal is None and isinstance(subject, Situation):
         goal = "present(H)"
-    return answers_to_all(subject, [] if goal is None else [goal], given=given, rules=rules, limits=limits)[0]
+    return answers_to_all(subject, [] if goal is None else [goal], given=given, limits=limits)[0]
 
 
 def answers_until(
@@ -47,7 +46,6 @@ def answers_until(
     *,
     seconds: float,
     given: Sequence[str] = (),
-    rules: Text | None = None,
     limits: Limits | None = None,
 ) -> tuple[list[Answer], bool]:
     """As ``answers``, by a deadline: what is known after ``seconds``, and whether it is exact.
@@ -57,9 +55,7 @@ def answers_until(
     if isinstance(subject, Situation):
         goal, limits, end = goal or "present(H)", limits or Limits(), time.monotonic() + seconds
         try:
-            on_graph = _on_graph(
-                subject, [goal], given, rules, replace(limits, seconds=min(limits.seconds, seconds)), seconds
-            )
+            on_graph = _on_graph(subject, [goal], given, replace(limits, seconds=min(limits.seconds, seconds)), seconds)
         except LimitError:
             return unknown(goal, names_of(subject)), False
         if on_graph is not None:
@@ -68,8 +64,7 @@ def answers_until(
             )
         seconds = max(end - time.monotonic(), 0.0)
     text, names = subject_text(subject)
-    texts = [text, *([] if rules is None else [rules])]
-    found, exact = run_until(texts, [] if goal is None else [goal], given, seconds=seconds, names=names, limits=limits)
+    found, exact = run_until([text], [] if goal is None else [goal], given, seconds=seconds, names=names, limits=limits)
     return opened(stopped_of(subject), found[0]), exact
 
 
@@ -78,14 +73,13 @@ def answers_to_all(
     goals: Sequence[str],
     *,
     given: Sequence[str] = (),
-    rules: Text | None = None,
     limits: Limits | None = None,
 ) -> list[list[Answer]]:
     """As ``answers``, for many goals in one run. Of a situation, from its factor graph wherever that can say it."""
-    found = _on_graph(subject, goals, given, rules, limits) if isinstance(subject, Situation) and goals else None
+    found = _on_graph(subject, goals, given, limits) if isinstance(subject, Situation) and goals else None
     if found is None:
         text, names = subject_text(subject)
-        found = run([text, *([] if rules is None else [rules])], goals, given, names=names, limits=limits)
+        found = run([text], goals, given, names=names, limits=limits)
     return [opened(stopped_of(subject), some) for some in found]
 
 
@@ -93,7 +87,6 @@ def _on_graph(
     situation: Situation,
     goals: Sequence[str],
     given: Sequence[str],
-    rules: Text | None,
     limits: Limits | None,
     seconds: float | None = None,
 ) -> list[list[Answer]] | None:
@@ -104,7 +97,7 @@ def _on_graph(
     from plogic.scene.asking.live import scene_answers
 
     try:
-        return scene_answers(situation, goals, given, rules=rules, limits=limits, seconds=seconds)
+        return scene_answers(situation, goals, given, limits=limits, seconds=seconds)
     except (ProgramError, SituationError):
         return None
 
@@ -113,4 +106,4 @@ def subject_text(subject: Subject) -> tuple[Text, Names | None]:
     """The program of what is asked, and its names (a program of a user's own has none)."""
     if isinstance(subject, Text):
         return subject, None
-    return Text(program_text(subject)), names_of(subject)
+    return Text(program_text(subject), own=subject.own), names_of(subject)

@@ -100,7 +100,7 @@ def _together(situation: Situation, named: set[str]) -> set[str]:
 def _part(situation: Situation, kept: set[str], named: set[str]) -> Situation:
     part = restricted(situation, kept)
     data = {f.match for h in part.hypotheses for f in h.features} | named
-    return replace(part, appearances=tuple(a for a in situation.appearances if a.id in data), rules="")
+    return replace(part, appearances=tuple(a for a in situation.appearances if a.id in data), rules="", own=None)
 
 
 def restricted(situation: Situation, kept: set[str]) -> Situation:

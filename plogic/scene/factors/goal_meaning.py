@@ -152,19 +152,18 @@ def meaning(
     goals: Sequence[str],
     given: Sequence[str] = (),
     *,
-    rules: Text | None = None,
     limits: Limits | None = None,
 ) -> Meaning:
     """The meaning of goals and evidence.
 
-    Raises OutsideError where they, or the rules, speak of what the graph does not have; else what
+    Raises OutsideError where they, or rules, speak of what the graph does not have; else what
     ``plogic.logic.served.engine.run`` raises.
     """
-    direct = _direct(situation, goals, given) if rules is None else None
+    direct = _direct(situation, goals, given) if situation.own is None else None
     if direct is not None:
         return direct
-    texts = [Text(free_program(situation)), *([] if rules is None else [rules])]
-    request = request_of(texts, goals, given, names_of(situation))
+    text = Text(free_program(situation), own=situation.own)
+    request = request_of([text], goals, given, names_of(situation))
     reply = ask({**request, "task": "formula", "outside": list(OUTSIDE)}, limits or Limits())
     if "outside" in reply:
         raise OutsideError(reply["outside"], file="goal")

@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import json
 import shutil
+import subprocess
 
 import cv2
 import numpy as np
@@ -14,6 +15,7 @@ import pytest
 from console import bytes_in, few_views, good, plogic
 from made_meshes import obj_text, write_box
 from painted_cube import CAMERA, picture, pose_towards, write_cube
+from shared_folder import shared
 
 from geometry.frames import pose_error
 from kb.files.read import read_kb
@@ -28,18 +30,22 @@ MINE = "object: mine\nfeatures:\n  - {feature: f, type: apex, at: [0, 0, 0], app
 @pytest.fixture(scope="module")
 def surroundings(tmp_path_factory):
     """Environment variables for the console script."""
-    return few_views(tmp_path_factory.mktemp("few"))
+    return few_views(shared(tmp_path_factory, "few", few_views))
 
 
 @pytest.fixture(scope="module")
 def learned(tmp_path_factory, surroundings):
     """A knowledge base in three commands, and what the last one said."""
-    folder = tmp_path_factory.mktemp("three")
-    good("kb", "new", folder / "kb")
-    good("kb", "add", "cube", "--mesh", write_cube(folder, 100.0), "--units", "cm", "--kb", folder / "kb")
-    done = plogic("kb", "learn", "--jobs", 1, "--kb", folder / "kb", **surroundings)
-    assert done.returncode == 0, done.stderr
-    return folder / "kb", done
+
+    def make(folder):
+        good("kb", "new", folder / "kb")
+        good("kb", "add", "cube", "--mesh", write_cube(folder, 100.0), "--units", "cm", "--kb", folder / "kb")
+        done = plogic("kb", "learn", "--jobs", 1, "--kb", folder / "kb", **surroundings)
+        assert done.returncode == 0, done.stderr
+        (folder / "run.json").write_text(json.dumps([done.args, done.returncode, done.stdout, done.stderr]))
+
+    folder = shared(tmp_path_factory, "three", make)
+    return folder / "kb", subprocess.CompletedProcess(*json.loads((folder / "run.json").read_text()))
 
 
 def refused(folder, *args, **env):
@@ -236,9 +242,8 @@ def test_a_cloud_and_words_go_where_the_folder_says(learned, surroundings, tmp_p
         (folder / file).write_text((folder / file).read_text().replace(old, new))
     (copy / "vocabulary.npz").write_bytes((learned[0] / "words.npz").read_bytes())
     before = bytes_in(copy)
-    done = plogic(
-        "kb", "learn", "cube", "--jobs", 1, "--seed", 3, "--kb", copy, **surroundings | {"TEST_DIRECTIONS": "3"}
-    )
+    few = surroundings | {"TEST_DIRECTIONS": "3", "XDG_CACHE_HOME": str(tmp_path / "cache")}
+    done = plogic("kb", "learn", "cube", "--jobs", 1, "--seed", 3, "--kb", copy, **few)
     assert done.returncode == 0, done.stderr
     after = bytes_in(copy)
     assert after.keys() == before.keys()

@@ -14,6 +14,7 @@ import numpy as np
 import pytest
 from console import bytes_in, few_views, good, plogic
 from painted_cube import CAMERA, pose_towards
+from shared_folder import shared
 from twin_cubes import write_twins
 
 from geometry.frames import pose_error
@@ -26,22 +27,26 @@ from sensing.simulated.surroundings import Light, Surroundings
 @pytest.fixture(scope="module")
 def surroundings(tmp_path_factory):
     """Environment variables for the console script."""
-    return few_views(tmp_path_factory.mktemp("few"))
+    return few_views(shared(tmp_path_factory, "few_parts", few_views))
 
 
 @pytest.fixture(scope="module")
 def learned(tmp_path_factory, surroundings):
     """A knowledge base, its parts renamed by their author, and what ``kb add`` and ``kb learn`` said."""
-    folder = tmp_path_factory.mktemp("twins")
-    good("kb", "new", folder / "kb")
-    added = good("kb", "add", "twins", "--mesh", write_twins(folder), "--units", "m", "--kb", folder / "kb")
-    file = folder / "kb" / "objects" / "twins" / "object.yaml"
-    text = file.read_text()
-    assert "\n  - {part: part_1, at: [0, 0, 0]}\n  - {part: part_2, at: [0, 0, 0.12]}\n" in text
-    file.write_text(text.replace("part_1", "lower").replace("part_2", "upper"))
-    done = plogic("kb", "learn", "--jobs", 1, "--json", "--kb", folder / "kb", **surroundings)
-    assert done.returncode == 0, done.stderr
-    return folder / "kb", added, json.loads(done.stdout)
+
+    def make(folder):
+        good("kb", "new", folder / "kb")
+        added = good("kb", "add", "twins", "--mesh", write_twins(folder), "--units", "m", "--kb", folder / "kb")
+        file = folder / "kb" / "objects" / "twins" / "object.yaml"
+        text = file.read_text()
+        assert "\n  - {part: part_1, at: [0, 0, 0]}\n  - {part: part_2, at: [0, 0, 0.12]}\n" in text
+        file.write_text(text.replace("part_1", "lower").replace("part_2", "upper"))
+        done = plogic("kb", "learn", "--jobs", 1, "--json", "--kb", folder / "kb", **surroundings)
+        assert done.returncode == 0, done.stderr
+        (folder / "said.json").write_text(json.dumps([added, json.loads(done.stdout)]))
+
+    folder = shared(tmp_path_factory, "twins", make)
+    return folder / "kb", *json.loads((folder / "said.json").read_text())
 
 
 def test_the_pieces_are_parts_and_have_their_features(learned):

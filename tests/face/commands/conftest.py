@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import shutil
+import subprocess
 
 import pytest
 
@@ -12,9 +13,14 @@ import pytest
 def demo_run(tmp_path_factory):
     """The finished process of ``plogic demo -o FOLDER``, and the folder; tests only read there."""
     from console import plogic
+    from shared_folder import shared
 
-    folder = tmp_path_factory.mktemp("demo") / "new" / "demo"
-    return plogic("demo", "-o", folder), folder
+    def make(place):
+        run = plogic("demo", "-o", place / "new" / "demo")
+        (place / "run.json").write_text(json.dumps([run.args, run.returncode, run.stdout, run.stderr]))
+
+    place = shared(tmp_path_factory, "demo", make)
+    return subprocess.CompletedProcess(*json.loads((place / "run.json").read_text())), place / "new" / "demo"
 
 
 @pytest.fixture(scope="session")

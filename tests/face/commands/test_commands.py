@@ -337,3 +337,26 @@ def test_an_error_of_ours_is_one_line_too(tmp_path):
         command, capture_output=True, text=True, check=False, timeout=60, env=os.environ | {"PLOGIC_TRACEBACK": "1"}
     )
     assert "Traceback" in loud.stderr
+
+
+def test_rules_of_ones_own_in_worlds_explanations_and_the_shell(interpretation, tmp_path):
+    """As in ``query``; evidence may speak of them, and a mistake has its place in their file."""
+    rules, wrong = tmp_path / "mine.pl", tmp_path / "wrong.pl"
+    rules.write_text("town :- object(X, t1), object(Y, t2).\nhalf :- lucky, town.\n0.5::lucky.\n")
+    wrong.write_text("town.\na :- b.\n")
+    listed = document("worlds", interpretation, "--given", "town", "--rules", rules, "--json")["worlds"]
+    assert [world["present"] for world in listed] == [["h1", "h2"]]
+    assert good("worlds", interpretation, "--rules", rules) == good("worlds", interpretation)
+    half = document("worlds", interpretation, "--given", "half", "--rules", rules, "--json")["worlds"]
+    assert [world["present"] for world in half] == [["h1", "h2"]]
+    told = document("explain", interpretation, "half", "--rules", rules, "--json")
+    ((_, p),) = answers(interpretation, "town", "--rules", rules)
+    assert told["probability"] == pytest.approx(p / 2)
+    assert "lucky" in good("explain", interpretation, "half", "--rules", rules)
+    shell = plogic("shell", interpretation, "--rules", rules, stdin="ask half\nlisting town\n")
+    assert shell.returncode == 0, shell.stderr
+    assert "town :- " in shell.stdout
+    for command in (("worlds",), ("explain", "town"), ("query", "town"), ("shell",)):
+        run = plogic(command[0], interpretation, *command[1:], "--rules", wrong)
+        assert (run.returncode, run.stdout) == (1, "")
+        assert f"{wrong}:2:" in run.stderr

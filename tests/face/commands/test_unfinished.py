@@ -6,6 +6,7 @@ Of a finished one none does.
 from __future__ import annotations
 
 import json
+from functools import cache
 
 import pytest
 from console import document, good, plogic
@@ -28,6 +29,12 @@ ASKED = {
     "program": lambda file: ("program", file),
     "next-view": lambda file: ("next-view", file, "-n", 1),
 }
+
+
+@cache
+def text_and_document(*command):
+    """What a command prints, as text and with ``--json``; the same command about the same file runs once."""
+    return good(*command), document(*command, "--json")
 
 
 @pytest.fixture(scope="module")
@@ -55,7 +62,7 @@ def at_once(demo, tmp_path_factory):
 @pytest.mark.parametrize("name", ASKED)
 def test_every_command_says_so(files, name, stopped):
     command = ASKED[name](files[stopped])
-    text, told = good(*command), document(*command, "--json")
+    text, told = text_and_document(*command)
     line = f"% {notice(stopped)}." if name == "program" else notice(stopped, anew=name != "next-view")
     assert [told for told in text.splitlines() if "unfinished" in told] == [line]
     assert (told["unfinished"], told["stopped"]) == (True, stopped)
@@ -63,16 +70,16 @@ def test_every_command_says_so(files, name, stopped):
 
 @pytest.mark.parametrize("name", ASKED)
 def test_of_a_finished_one_none_does(files, name):
-    command = ASKED[name](files[""])
-    assert "unfinished" not in good(*command)
-    assert not {"unfinished", "stopped"} & set(document(*command, "--json"))
+    text, told = text_and_document(*ASKED[name](files[""]))
+    assert "unfinished" not in text
+    assert not {"unfinished", "stopped"} & set(told)
 
 
 @pytest.mark.parametrize("name", [name for name in ASKED if name.startswith(("worlds", "query"))])
 def test_answers_are_as_before_with_intervals_that_are_open(files, name):
     rows = {}
     for stopped in ("", SEARCH, WORLDS):
-        told = document(*ASKED[name](files[stopped]), "--json")
+        told = text_and_document(*ASKED[name](files[stopped]))[1]
         rows[stopped] = told.get("worlds") or told["answers"]
         assert told.get("unlisted_mass", [0.0, 1.0]) == [0.0, 1.0] or stopped != SEARCH
     assert rows[SEARCH]

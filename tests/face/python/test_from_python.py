@@ -51,7 +51,7 @@ def test_a_path_of_a_gamma_gives_what_the_command_gives(first, gamma_file):
 
 def test_options_are_the_commands(first, gamma_file, tmp_path):
     whole = Gamma.load(gamma_file)
-    fewer = Gamma(whole.camera, whole.appearances[:8]).save(tmp_path / "fewer.json")  # every set of four is tried
+    fewer = Gamma(whole.camera, whole.appearances[:7]).save(tmp_path / "fewer.json")  # every set of four is tried
     options = {"reading": "posterior", "reconsider": "drop", "smoothing": 0.01, "generator": "quadruples"}
     typed = [word for name, value in options.items() for word in (f"--{name}", str(value))]
     mine = perceive(fewer, first, **options)

@@ -4,6 +4,7 @@ What is seen lies on its faces, and its cloud says from where, how often and how
 """
 
 from dataclasses import fields, replace
+from functools import cache
 
 import numpy as np
 import pytest
@@ -16,6 +17,13 @@ from kb.learning.observations import AWAY, EDGE, MARGIN, OFTEN, distance, joined
 from sensing.simulated.camera import turned
 
 FEW = facing(CORNER, 25.0)
+
+
+@cache
+def few():
+    """What is seen of the cube from FEW."""
+    with sizes():
+        return seen_of(cube(), FEW)
 
 
 def test_observations_lie_on_the_faces_that_their_normals_say():
@@ -114,15 +122,15 @@ def test_a_hit_rate_is_what_was_found_of_the_pictures_that_could_have_shown_it()
 
 def test_the_same_seed_gives_the_same_bytes_and_another_does_not():
     with sizes():
-        one, again, other = (seen_of(cube(), FEW, seed=seed) for seed in (3, 3, 4))
-    assert cloud_bytes(cloud(one)) == cloud_bytes(cloud(again))
-    assert cloud_bytes(cloud(one)) != cloud_bytes(cloud(other))
+        again, other = (seen_of(cube(), FEW, seed=seed) for seed in (0, 4))
+    assert cloud_bytes(cloud(few())) == cloud_bytes(cloud(again))
+    assert cloud_bytes(cloud(few())) != cloud_bytes(cloud(other))
 
 
 def test_views_can_be_looked_at_apart():
     """What is seen from one direction does not depend on which others a process has."""
     with sizes():
-        whole, apart = seen_of(cube(), FEW), joined([seen_of(cube(), [number]) for number in FEW])
+        whole, apart = few(), joined([seen_of(cube(), [number]) for number in FEW])
     assert len(whole.at) > 0
     for f in fields(whole):
         assert np.array_equal(getattr(whole, f.name), getattr(apart, f.name)), f.name
@@ -130,7 +138,7 @@ def test_views_can_be_looked_at_apart():
 
 def test_millimetres_read_as_metres_scale_lengths_and_nothing_else():
     with sizes():
-        small, large = seen_of(cube(), FEW), seen_of(cube(1000 * SIDE), FEW)
+        small, large = few(), seen_of(cube(1000 * SIDE), FEW)
     one, other = cloud(small), cloud(large, 1000 * SIDE * 3**0.5)
     lengths = {"at", "sigma", "r_min", "r_max", "size"}
     assert len(one.at) > 0
@@ -143,7 +151,7 @@ def test_millimetres_read_as_metres_scale_lengths_and_nothing_else():
 def test_a_mesh_elsewhere_in_its_frame_is_the_same_elsewhere():
     with sizes():
         moved = cloud(seen_of(cube(middle=(0.3, -0.2, 0.5)), FEW))
-        here = cloud(seen_of(cube(), FEW))
+    here = cloud(few())
     assert abs(len(moved.at) - len(here.at)) <= 0.05 * len(here.at)
     close = np.linalg.norm((moved.at - [0.3, -0.2, 0.5])[:, None] - here.at[None], axis=2).min(axis=1)
     assert np.median(close) < 1e-4
