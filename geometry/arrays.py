@@ -56,3 +56,8 @@ def _fits(want: int, got: int) -> bool:
 def summed(values: Floats) -> Floats:
     """The sums (...) over a last axis of two to seven, to the same bit as numpy's and far sooner."""
     return reduce(np.add, np.moveaxis(values, -1, 0))
+
+
+def lengths(vectors: Floats) -> Floats:
+    """The Euclidean lengths (...) along such an axis, to the same bit as numpy's and far sooner."""
+    return np.asarray(np.sqrt(summed(vectors * vectors)))

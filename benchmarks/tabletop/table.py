@@ -16,6 +16,7 @@ import numpy as np
 
 from benchmarks.tabletop.patterns import pattern
 from benchmarks.tabletop.rgbd_sensor import sensed
+from geometry.arrays import lengths, summed
 from sensing.errors import SceneError
 from sensing.simulated.camera import Rendering
 from sensing.simulated.raycast import Caster, TexturePyramid
@@ -131,8 +132,8 @@ class _Stage:
         back = np.where((floor <= wall)[:, None], (0.0, 0.0, 1.0), -self.behind)
         normal = np.where((found.body >= 0)[:, None], found.normal, back)
         point = self.eye + np.where(np.isfinite(depth), depth, 10.0)[:, None] * rays
-        view = -rays / np.linalg.norm(rays, axis=1, keepdims=True)
-        facing = np.abs((normal * view).sum(axis=1))
+        view = -rays / lengths(rays)[:, None]
+        facing = np.abs(summed(normal * view))
         spread = np.where(np.isfinite(depth), depth, 10.0) / (float(self.camera.K[0, 0]) * supersample)
         colour = self.caster.colours(found, spread, facing)
         for k, (paint, own) in enumerate(zip(self.paint, (floor <= wall, floor > wall), strict=True)):
@@ -185,6 +186,6 @@ class _Stage:
             self.table.sky_colour
         )
         half = view + self.lamp
-        half /= np.maximum(np.linalg.norm(half, axis=1, keepdims=True), 1e-12)
-        glint = 255 * self.table.gloss * (lit & body) * np.maximum((normal * half).sum(axis=1), 0) ** SHINE
+        half /= np.maximum(lengths(half)[:, None], 1e-12)
+        glint = 255 * self.table.gloss * (lit & body) * np.maximum(summed(normal * half), 0) ** SHINE
         return np.asarray(colour * light + glint[:, None] * np.array(self.table.lamp_colour), np.float32)

@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from geometry.arrays import Floats, Ints, Mask, check_room, frozen, frozen_ints, last_axes
+from geometry.arrays import Floats, Ints, Mask, check_room, frozen, frozen_ints, last_axes, lengths, summed
 from geometry.errors import GeometryError
 from geometry.frames import inverse, transform_points
 
@@ -60,12 +60,11 @@ class RayMesh:
         start, ray = np.broadcast_arrays(
             last_axes(origins, (-1, 3), "origins"), last_axes(directions, (-1, 3), "directions")
         )
-        length = np.linalg.norm(ray, axis=-1)
+        length = lengths(ray)
         alive = np.isfinite(start).all(axis=-1) & np.isfinite(length) & (length > 0)
         distance, triangle = np.full(len(ray), np.inf), np.full(len(ray), -1, dtype=np.int64)
         if alive.any():
-            unit = ray[alive] / length[alive, None]
-            distance[alive], triangle[alive] = self._shoot(start[alive], unit)
+            distance[alive], triangle[alive] = self._shoot(start[alive], ray[alive] / length[alive, None])
         return distance, triangle
 
     def blocks(self, viewpoint: ArrayLike, points: ArrayLike, tolerance: float) -> Mask:
@@ -75,26 +74,26 @@ class RayMesh:
         a feature's own facets at the feature.
         """
         eye, targets = last_axes(viewpoint, (3,), "viewpoint"), last_axes(points, (-1, 3), "points")
-        reach = np.linalg.norm(targets - eye, axis=-1)
         hit = self.first_hit(np.broadcast_to(eye, targets.shape), targets - eye)
-        return np.asarray(hit < reach - tolerance)
+        return np.asarray(hit < lengths(targets - eye) - tolerance)
 
     def _shoot(self, start: Floats, unit: Floats) -> tuple[Floats, Ints]:
         """Distances and triangles of finite rays with unit directions, each begun at the sphere round the surface."""
-        lead = np.maximum(0.0, np.linalg.norm(start - self._centre, axis=-1) - self.size)  # keeps single precision fine
+        lead = np.maximum(0.0, lengths(start - self._centre) - self.size)  # keeps single precision fine
         near = ((start + lead[:, None] * unit - self._centre) * self._scale).astype(np.float32)
         answer = self._scene.run(near, unit.astype(np.float32), output=True)
-        triangle = np.asarray(answer["primID"], dtype=np.int64)
-        hit = triangle >= 0
-        rough = np.where(hit, np.asarray(answer["tfar"], dtype=np.float64) / self._scale + lead, np.inf)
-        return np.where(hit, self._exact(start, unit, np.where(hit, triangle, 0), rough), np.inf), triangle
+        distance, triangle = np.full(len(unit), np.inf), np.asarray(answer["primID"], dtype=np.int64)
+        hit = np.flatnonzero(triangle >= 0)
+        rough = np.asarray(answer["tfar"][hit], dtype=np.float64) / self._scale + lead[hit]
+        distance[hit] = self._exact(start[hit], unit[hit], triangle[hit], rough)
+        return distance, triangle
 
     def _exact(self, start: Floats, unit: Floats, triangle: Ints, rough: Floats) -> Floats:
         """Distances (N,) to the planes of the triangles hit; Embree's where the ray grazes or the two do not agree."""
         normal = self._normals[triangle]
-        sink = (normal * unit).sum(axis=-1)
-        steep = np.abs(sink) > _GRAZING * np.linalg.norm(normal, axis=-1)
-        rise = (normal * (self._corner[triangle] - start)).sum(axis=-1)
+        sink = summed(normal * unit)
+        steep = np.abs(sink) > _GRAZING * lengths(normal)
+        rise = summed(normal * (self._corner[triangle] - start))
         distance = np.divide(rise, sink, out=np.full(len(rise), np.nan), where=steep)
         return np.where(np.abs(distance - rough) < 1e-3 * self.size, distance, rough)
 
@@ -138,7 +137,8 @@ def behind(
     before a point the surface must be met, by default 0.005 of the surface's size. NaN points are behind nothing.
     """
     object_from_camera = inverse(last_axes(camera_from_object, (4, 4), "camera_from_object"))
-    margin = TOLERANCE * mesh.size if tolerance is None else tolerance
     return mesh.blocks(
-        object_from_camera[:3, 3], transform_points(object_from_camera, np.asarray(points_camera)), margin
+        object_from_camera[:3, 3],
+        transform_points(object_from_camera, np.asarray(points_camera)),
+        TOLERANCE * mesh.size if tolerance is None else tolerance,
     )

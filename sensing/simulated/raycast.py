@@ -15,6 +15,7 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
+from geometry.arrays import lengths
 from geometry.visibility.rays import RayMesh
 from sensing.simulated.body import Body, TexturedMesh
 
@@ -107,13 +108,13 @@ class Caster:
         A depth of inf, a zero normal and a NaN point for nothing.
         """
         distance, triangle = self.mesh.first_triangle(eye[None], rays)
-        depth = distance / np.linalg.norm(rays, axis=1)
+        depth = distance / lengths(rays)
         hit = triangle >= 0
         some = np.where(hit, triangle, 0)
         point = eye + np.where(hit, depth, np.nan)[:, None] * rays
         normal = np.zeros_like(point)
         normal[hit] = np.einsum("nc,ncx->nx", self._weights(point[hit], some[hit]), self._normals[some[hit]])
-        normal /= np.maximum(np.linalg.norm(normal, axis=1, keepdims=True), 1e-12)
+        normal /= np.maximum(lengths(normal)[:, None], 1e-12)
         return Cast(np.where(hit, self._of[some], -1), triangle, depth, point, normal)
 
     def colours(self, found: Cast, spread: NDArray[np.float64], steepness: NDArray[np.float64]) -> NDArray[np.float32]:

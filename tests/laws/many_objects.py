@@ -53,6 +53,12 @@ def few_of_seed(seed):
     return scene(few_kb(), seed, (3, 4))
 
 
+@cache
+def two_of_seed(seed):
+    """Two of them: for laws that are of one as much as of many."""
+    return scene(few_kb(), seed, (2, 2))
+
+
 def accepted_rows(document):
     return [h for h in document["hypotheses"] if h["status"] == "accepted"]
 
