@@ -6,7 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from many_objects import accepted_rows, few_kb, two_of_seed, twins
+from many_objects import accepted_rows, few_kb, twins, two_of_seed
 
 from plogic.cycle.delta import Options
 from plogic.run.perceive import Perceiver
