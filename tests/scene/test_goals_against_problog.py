@@ -239,6 +239,7 @@ def of_a_tangle():
 def test_what_is_asked_by_a_deadline_contains_what_is_exact(seconds):
     hurried, (present, answers, worlds) = LiveScene(tangle(15)), of_a_tangle()
     hurried.observe("present(h3)", seconds=seconds)
+    assert hurried.marginals(seconds=seconds).keys() == present.keys()
     for h, (least, most) in hurried.marginals(seconds=seconds).items():
         assert least - 1e-9 <= present[h] <= most + 1e-9
     for goal, known in answers.items():
