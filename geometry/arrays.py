@@ -55,7 +55,7 @@ def _fits(want: int, got: int) -> bool:
 
 def summed(values: Floats) -> Floats:
     """The sums (...) over a last axis of two to seven, to the same bit as numpy's and far sooner."""
-    return reduce(np.add, np.moveaxis(values, -1, 0))
+    return reduce(np.add, (values[..., axis] for axis in range(values.shape[-1])))
 
 
 def lengths(vectors: Floats) -> Floats:

@@ -42,8 +42,8 @@ def rotated(rotations: Floats, points: Floats) -> Floats:
 
     To the same bit as ``einsum``, which goes from point to point, and far sooner.
     """
-    x, y, z = np.moveaxis(points, -1, 0)
-    return np.stack([r[:, :1] * x + r[:, 2:] * z + r[:, 1:2] * y for r in np.moveaxis(rotations, 1, 0)], axis=-1)
+    x, y, z = (points[..., axis] for axis in range(3))
+    return np.stack([r[:, :1] * x + r[:, 2:] * z + r[:, 1:2] * y for r in np.swapaxes(rotations, 0, 1)], axis=-1)
 
 
 def transform_points(T: ArrayLike, points: ArrayLike) -> Floats:

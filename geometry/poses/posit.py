@@ -19,7 +19,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike
 
-from geometry.arrays import Floats, Mask, last_axes
+from geometry.arrays import Floats, Mask, last_axes, summed
 from geometry.errors import GeometryError
 from geometry.frames import from_rotation_translation
 
@@ -97,7 +97,7 @@ def reprojection(poses: Floats, objects: Floats, seen: Floats) -> Floats:
     front = np.asarray((placed[..., 2] > 0).all(axis=-1))
     z = np.where(front[..., None], placed[..., 2], 1.0)
     off = placed[..., :2] / z[..., None] - seen
-    return np.where(front, np.sqrt((off**2).sum(axis=-1).mean(axis=-1)), np.inf)
+    return np.where(front, np.sqrt(summed(off**2).mean(axis=-1)), np.inf)
 
 
 def turned(i: Floats, j: Floats) -> tuple[Floats, Floats, Floats]:
@@ -105,11 +105,11 @@ def turned(i: Floats, j: Floats) -> tuple[Floats, Floats, Floats]:
 
     The error is shared between the two axes. Skew is the greater of |cos| between them and their unlikeness in length.
     """
-    length_i, length_j = (np.maximum(np.linalg.norm(axis, axis=-1), 1e-12) for axis in (i, j))
+    length_i, length_j = (np.maximum(np.sqrt(summed(axis * axis)), 1e-12) for axis in (i, j))
     a, b = i / length_i[..., None], j / length_j[..., None]
     middle, across = _unit(a + b), _unit(a - b)  # perpendicular, whatever the angle between the two
     x, y = _unit(middle + across), _unit(middle - across)
-    skew = np.maximum(np.abs((a * b).sum(axis=-1)), np.abs(np.log(length_i / length_j)))
+    skew = np.maximum(np.abs(summed(a * b)), np.abs(np.log(length_i / length_j)))
     return np.stack([x, y, np.cross(x, y)], axis=-2), 1.0 / np.sqrt(length_i * length_j), skew
 
 
@@ -137,7 +137,7 @@ def _pseudo_inverse(arms: Floats) -> tuple[Floats, Floats]:
 
 
 def _unit(vectors: Floats) -> Floats:
-    length = np.linalg.norm(vectors, axis=-1, keepdims=True)
+    length = np.sqrt(summed(vectors * vectors))[..., None]
     return np.asarray(vectors / np.maximum(length, 1e-12))
 
 

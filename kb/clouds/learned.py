@@ -272,7 +272,7 @@ def _array(archive: zipfile.ZipFile, name: str) -> NDArray[Any]:
     if version not in {(1, 0), (2, 0)}:
         raise ValueError(f"{name} is of a version that nobody needs")
     read = np.lib.format.read_array_header_1_0 if version == (1, 0) else np.lib.format.read_array_header_2_0
-    shape, _, dtype = read(stream)
+    shape, by_columns, dtype = read(stream)
     count = 1
     for length in shape:
         count *= length
@@ -283,4 +283,5 @@ def _array(archive: zipfile.ZipFile, name: str) -> NDArray[Any]:
         or count * dtype.itemsize != len(content) - stream.tell()
     ):
         raise ValueError(f"{name} does not hold the numbers that it says")
-    return np.asarray(np.lib.format.read_array(io.BytesIO(content), allow_pickle=False))
+    numbers = np.frombuffer(content, dtype, count, stream.tell()).copy()
+    return numbers.reshape(shape, order="F" if by_columns else "C")

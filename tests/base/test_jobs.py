@@ -7,10 +7,10 @@ import signal
 import time
 from contextlib import closing
 from multiprocessing import active_children, get_context
-from pathlib import Path
 
 import numpy as np
 import pytest
+from fresh_jobs import dies, half, resolved
 
 from plogic.base import jobs
 from plogic.base.jobs import ChildDiedError, afresh, each, processors
@@ -34,11 +34,6 @@ def later(number):
     """The earlier, the longer it takes."""
     time.sleep(0.002 * (12 - number))
     return number * number
-
-
-def resolved(name):
-    """A relative path as the process sees it."""
-    return Path(name).resolve()
 
 
 def here(_):
@@ -137,28 +132,6 @@ def test_so_many_processes_as_is_stated_or_as_there_are_processors(monkeypatch):
         assert 1 <= processors() <= (os.cpu_count() or 1)
 
 
-def half(number):
-    """Of a module, so that a fresh process finds it."""
-    time.sleep(0.002 * (12 - number))
-    if number == 7:
-        raise ValueError(number)
-    return number / 2, os.getpid()
-
-
-def dies(number):
-    """Of the fourth job."""
-    if number == 3:
-        os.kill(os.getpid(), signal.SIGKILL)
-    return number
-
-
-@pytest.fixture
-def found_afresh(monkeypatch):
-    """A fresh process finds this module."""
-    monkeypatch.syspath_prepend(Path(__file__).parent)
-
-
-@pytest.mark.usefixtures("found_afresh")
 def test_fresh_processes_answer_in_the_order_of_the_jobs(some):
     answers = list(afresh(half, range(7), some))
     assert [answer for answer, _ in answers] == [number / 2 for number in range(7)]
@@ -166,7 +139,6 @@ def test_fresh_processes_answer_in_the_order_of_the_jobs(some):
     assert list(afresh(half, [], some)) == []
 
 
-@pytest.mark.usefixtures("found_afresh")
 def test_what_a_fresh_process_raises_is_raised_here_in_its_turn(some):
     answers = afresh(half, range(9), some)
     assert [next(answers)[0] for _ in range(7)] == [number / 2 for number in range(7)]
@@ -174,13 +146,11 @@ def test_what_a_fresh_process_raises_is_raised_here_in_its_turn(some):
         next(answers)
 
 
-@pytest.mark.usefixtures("found_afresh")
 def test_a_fresh_process_that_dies_is_told(some):
     with pytest.raises(ChildDiedError, match="signal 9"):
         list(afresh(dies, range(10), some))
 
 
-@pytest.mark.usefixtures("found_afresh")
 def test_a_fresh_process_runs_in_this_folder(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     assert list(afresh(resolved, ["kb"], 1)) == [tmp_path / "kb"]

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import replace
+from functools import cache
 
 import numpy as np
 import pytest
@@ -112,15 +113,20 @@ def test_more_than_sixteen_that_hang_together_equal_enumeration():
         assert ranking.marginals[f"h{i}"] == pytest.approx(float(probabilities[present].sum()))
 
 
+@cache
+def of_a_tangle():
+    """The exact ranking of all worlds of a tangle of 15."""
+    return ranked_worlds(tangle(15), 2**15)
+
+
 @pytest.mark.parametrize("seconds", [0.0, 0.001, 0.05])
 def test_intervals_contain_what_is_exact_at_every_deadline(seconds):
-    subject = tangle(15)
-    exact, hurried = ranked_worlds(subject, 5), ranked_worlds(subject, 5, seconds=seconds)
+    exact, hurried = of_a_tangle(), ranked_worlds(tangle(15), 5, seconds=seconds)
     low, high = hurried.log_evidence_interval
     assert low - 1e-9 <= exact.log_evidence <= high + 1e-9
     for h, (least, most) in hurried.intervals.items():
         assert least - 1e-9 <= exact.marginals[h] <= most + 1e-9
-    every = {w.present: w.probability for w in ranked_worlds(subject, 2**15).worlds}
+    every = {w.present: w.probability for w in exact.worlds}
     assert hurried.worlds
     for w in hurried.worlds:
         assert w.interval[0] - 1e-9 <= every[w.present] <= w.interval[1] + 1e-9

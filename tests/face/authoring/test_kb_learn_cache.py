@@ -157,7 +157,7 @@ def test_every_source_that_decides_is_shipped(name):
 
 def test_a_kept_cloud_in_which_any_bit_is_wrong_is_learned_anew():
     """Also one that makes it the valid file of another cloud, as in the name of an array that need not be there."""
-    cloud = replace(random_cloud(1, 6, 8), compound=np.array([1, 1, 0, 0, 0, 0]))
+    cloud = replace(random_cloud(1, 3, 3), compound=np.array([1, 1, 0]))
     content = cloud_bytes(cloud)
     assert cloud_bytes(kb_learn_cache._kept(content)) == content
     valid = 0

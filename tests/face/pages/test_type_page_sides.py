@@ -14,14 +14,14 @@ from random_cloud import random_cloud
 from kb.files.read import read_kb
 from plogic.face.pages.type_content import type_document, type_page
 
-SIDES = 18
+SIDES = 8
 TEXT = "return document.querySelector(arguments[0]).innerText"
 
 
 @pytest.fixture(scope="module")
 def sided_kb(tmp_path_factory):
-    """A learned type of 36 features, of which the last half are sides of edges, of a word that no keypoint has."""
-    cloud = random_cloud(5, 2 * SIDES, 150, words=6)
+    """A learned type of 16 features, of which the last half are sides of edges, of a word that no keypoint has."""
+    cloud = random_cloud(5, 2 * SIDES, 70, words=6)
     side = cloud.feature >= SIDES
     word, lobe_word = np.where(np.arange(2 * SIDES) < SIDES, cloud.word, 6), np.where(side, 6, cloud.lobe_word)
     cloud = replace(cloud, size=np.where(side, 0.0, cloud.size), word=word, lobe_word=lobe_word)

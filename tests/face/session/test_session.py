@@ -23,10 +23,18 @@ garden(front). garden('Back yard').
 EVIDENT = PROGRAM + "evidence(\\+ sprinkler(front)).\n"
 
 
-@pytest.fixture
-def session():
+@pytest.fixture(scope="module")
+def mind():
+    """Whom all new sessions about the program ask: its process starts once."""
     with Session(Text(PROGRAM, "rain.pl")) as session:
-        yield session
+        yield session._mind
+
+
+@pytest.fixture
+def session(mind):
+    new = Session(Text(PROGRAM, "rain.pl"))
+    new._mind = mind
+    return new
 
 
 def probabilities(result):

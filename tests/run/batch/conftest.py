@@ -35,6 +35,7 @@ def frames(tmp_path_factory):
 def alone(frames):
     """The finished process of ``--jobs 1 --full`` over the folder, and its file."""
     from console import plogic
+    from small_frames import KB
 
-    run = plogic("batch", "frames", "--kb", "towers", "--jobs", 1, "--full", "-o", "alone.jsonl", cwd=frames)
+    run = plogic("batch", "frames", "--kb", KB, "--jobs", 1, "--full", "-o", "alone.jsonl", cwd=frames)
     return run, frames / "alone.jsonl"

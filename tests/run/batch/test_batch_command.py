@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 from bop_folders import K, dataset
 from console import good, plogic
-from small_frames import CAMERA, NAMES
+from small_frames import CAMERA, KB, NAMES
 
 from benchmarks.batch.cluster import loopback
 from plogic.run.batch.frame_lines import short
@@ -42,7 +42,7 @@ def test_off_a_terminal_stderr_has_the_bad_frames_and_one_line_at_the_end(alone)
 def test_an_interpretation_is_the_bytes_of_perceive(frames, alone, number):
     place = f"frames/{NAMES[number]}"
     camera = ["--camera", "frames/shot/camera.json"] if place.endswith(".png") else []
-    text = good("perceive", place, "--kb", "towers", *camera, cwd=frames)
+    text = good("perceive", place, "--kb", KB, *camera, cwd=frames)
     assert lines_of(alone[1])[number].endswith(b'"interpretation":' + text.strip().encode() + b"}\n")
 
 
@@ -50,7 +50,7 @@ def test_an_interpretation_is_the_bytes_of_perceive(frames, alone, number):
 def test_an_error_is_what_perceive_says(frames, alone, number):
     place = f"frames/{NAMES[number]}"
     camera = ["--camera", "frames/torn/camera.json"] if place.endswith(".png") else []
-    said = plogic("perceive", place, "--kb", "towers", *camera, cwd=frames).stderr
+    said = plogic("perceive", place, "--kb", KB, *camera, cwd=frames).stderr
     assert [
         f"plogic: {line}" for line in json.loads(lines_of(alone[1])[number])["error"].splitlines()
     ] == said.splitlines()
@@ -58,13 +58,13 @@ def test_an_error_is_what_perceive_says(frames, alone, number):
 
 def test_two_processes_write_the_same_bytes_for_a_list_on_stdin(frames, alone):
     listed = "frames\nframes/g1.json\n./frames/g*.json\n"
-    run = plogic("batch", "-", "--kb", "towers", "--jobs", 2, "--full", cwd=frames, stdin=listed)
+    run = plogic("batch", "-", "--kb", KB, "--jobs", 2, "--full", cwd=frames, stdin=listed)
     assert run.returncode == 1
     assert run.stdout.encode() == alone[1].read_bytes()
 
 
 def test_as_they_are_done_it_is_the_same_set_in_short(frames, alone):
-    run = plogic("batch", "frames", "--kb", "towers", "--jobs", 2, "--order", "done", "-n", 1, cwd=frames)
+    run = plogic("batch", "frames", "--kb", KB, "--jobs", 2, "--order", "done", "-n", 1, cwd=frames)
     found = {row["input"]: row for row in map(json.loads, run.stdout.splitlines())}
     assert len(found) == len(run.stdout.splitlines()) == len(NAMES)
     for row in map(json.loads, lines_of(alone[1])):
@@ -77,7 +77,7 @@ def test_as_they_are_done_it_is_the_same_set_in_short(frames, alone):
 
 def test_a_dask_cluster_writes_the_same_bytes(frames, alone):
     with loopback(2) as address:
-        run = plogic("batch", "frames", "--kb", "towers", "--dask", address, "--full", cwd=frames)
+        run = plogic("batch", "frames", "--kb", KB, "--dask", address, "--full", cwd=frames)
         lost = plogic("batch", "frames", "--kb", "nothing", "--dask", address, cwd=frames)
     assert run.stdout.encode() == alone[1].read_bytes()
     assert (lost.returncode, lost.stdout) == (1, "")
@@ -86,9 +86,7 @@ def test_a_dask_cluster_writes_the_same_bytes(frames, alone):
 
 def test_without_the_extra_one_line_says_what_to_install(frames, tmp_path):
     (tmp_path / "distributed.py").write_text("raise ImportError\n")
-    run = plogic(
-        "batch", "frames", "--kb", "towers", "--dask", "tcp://127.0.0.1:1", cwd=frames, PYTHONPATH=str(tmp_path)
-    )
+    run = plogic("batch", "frames", "--kb", KB, "--dask", "tcp://127.0.0.1:1", cwd=frames, PYTHONPATH=str(tmp_path))
     assert (run.returncode, run.stdout, run.stderr) == (
         1,
         "",
@@ -136,7 +134,7 @@ def test_a_bop_dataset(tmp_path):
     ],
 )
 def test_bad_usage(frames, args, says):
-    run = plogic("batch", "frames", "--kb", "towers", *args, cwd=frames)
+    run = plogic("batch", "frames", "--kb", KB, *args, cwd=frames)
     assert run.returncode == 2
     assert says in run.stderr
 
@@ -144,19 +142,19 @@ def test_bad_usage(frames, args, says):
 def test_what_is_wrong_before_any_work_writes_nothing(frames, tmp_path):
     (tmp_path / "full.jsonl").write_text("mine\n")
     for args, says in (
-        (["frames", "--kb", "towers", "--camera", tmp_path / "full.jsonl", "-o", tmp_path / "new.jsonl"], "full.jsonl"),
+        (["frames", "--kb", KB, "--camera", tmp_path / "full.jsonl", "-o", tmp_path / "new.jsonl"], "full.jsonl"),
         (
-            ["frames", "--kb", "towers", "--camera", tmp_path / "none.json", "-o", tmp_path / "new.jsonl"],
+            ["frames", "--kb", KB, "--camera", tmp_path / "none.json", "-o", tmp_path / "new.jsonl"],
             "none.json: is missing",
         ),
         (
-            ["frames", "--kb", "towers", "--camera", "/dev/zero", "-o", tmp_path / "new.jsonl"],
+            ["frames", "--kb", KB, "--camera", "/dev/zero", "-o", tmp_path / "new.jsonl"],
             "is no plain file, but a pipe or a device",
         ),
         (["frames", "--kb", "nothing", "-o", tmp_path / "new.jsonl"], "no knowledge base 'nothing'"),
-        (["-", "--kb", "towers", "-o", tmp_path / "new.jsonl"], "there is no input"),
-        (["frames", "--kb", "towers", "-o", tmp_path / "full.jsonl"], "is there already: --resume goes on with it"),
-        (["frames", "--kb", "towers", "-o", tmp_path / "none" / "new.jsonl"], "cannot be written"),
+        (["-", "--kb", KB, "-o", tmp_path / "new.jsonl"], "there is no input"),
+        (["frames", "--kb", KB, "-o", tmp_path / "full.jsonl"], "is there already: --resume goes on with it"),
+        (["frames", "--kb", KB, "-o", tmp_path / "none" / "new.jsonl"], "cannot be written"),
     ):
         run = plogic("batch", *args, "--jobs", 1, cwd=frames)
         assert (run.returncode, run.stdout) == (1, "")

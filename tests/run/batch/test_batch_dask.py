@@ -16,7 +16,7 @@ from contextlib import ExitStack, contextmanager, suppress
 import pytest
 from console import BIN, plogic
 from hostile_pictures import WAITS, hostile
-from small_frames import NAMES, picture
+from small_frames import KB, NAMES, picture
 
 from plogic.base.errors import InputError
 from plogic.run.batch import dask as cluster
@@ -128,7 +128,7 @@ def test_who_is_no_scheduler_is_not_waited_for(monkeypatch, answer, capfd):
 @pytest.mark.parametrize("address", ["localhost", "tcp://", "foo:bar", "tls://127.0.0.1:1", "inproc://x", "odd://x:1"])
 def test_what_is_no_address_is_told_at_once(frames, address):
     start = time.monotonic()
-    run = plogic("batch", "frames", "--kb", "towers", "--dask", address, cwd=frames)
+    run = plogic("batch", "frames", "--kb", KB, "--dask", address, cwd=frames)
     assert time.monotonic() - start < 8
     assert (run.returncode, run.stdout) == (1, "")
     assert run.stderr.startswith(f"plogic: {address}: no Dask scheduler answers there: ")
@@ -150,7 +150,7 @@ def test_a_worker_that_lacks_plogic_is_told_and_lives(machines, frames, tmp_path
     (tmp_path / "bare").mkdir()
     (tmp_path / "bare" / "plogic.py").write_text("raise ModuleNotFoundError(\"No module named 'plogic'\")\n")
     machines.worker(PYTHONPATH=str(tmp_path / "bare"))
-    run = plogic("batch", "frames", "--kb", "towers", "--dask", machines.address, cwd=frames)
+    run = plogic("batch", "frames", "--kb", KB, "--dask", machines.address, cwd=frames)
     assert run.returncode == 1
     assert (
         run.stderr
@@ -188,7 +188,7 @@ def test_a_lost_scheduler_ends_the_run_and_what_is_done_stays(late, frames, tmp_
     failed = f"plogic: {late.address}: the Dask cluster failed: its scheduler is gone, or does not answer"
     assert said[-2:] == [f"stopped; --resume goes on with {out}", failed]
     before = out.read_bytes()
-    run = plogic("batch", "frames", "--kb", "towers", "--jobs", 1, "--resume", "-o", out, cwd=tmp_path)
+    run = plogic("batch", "frames", "--kb", KB, "--jobs", 1, "--resume", "-o", out, cwd=tmp_path)
     assert f"{out}: 9 frames, 7 of them before, 3 bad" in run.stderr
     assert out.read_bytes().startswith(before)
 
@@ -196,7 +196,7 @@ def test_a_lost_scheduler_ends_the_run_and_what_is_done_stays(late, frames, tmp_
 @contextmanager
 def started(machines, folder, out):
     """Faults of somebody else's cluster are told in one line, in bounded time, and nothing of ours stays on it."""
-    command = [str(BIN / "plogic"), "batch", "frames", "--kb", "towers", "--dask", machines.address, "-o", str(out)]
+    command = [str(BIN / "plogic"), "batch", "frames", "--kb", str(KB), "--dask", machines.address, "-o", str(out)]
     pipe = subprocess.PIPE
     with subprocess.Popen(command, cwd=folder, stdin=pipe, stdout=pipe, stderr=pipe, start_new_session=True) as child:
         try:

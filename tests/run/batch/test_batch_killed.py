@@ -13,9 +13,7 @@ from contextlib import contextmanager
 import pytest
 from console import BIN, plogic
 from hostile_pictures import DIES, DIES_ONCE, WAITS, hostile
-from small_frames import CAMERA, NAMES, picture
-
-from kb.files.folder import shipped
+from small_frames import CAMERA, KB, NAMES, picture
 
 PATIENCE = 90
 
@@ -23,7 +21,7 @@ PATIENCE = 90
 @contextmanager
 def running(folder, out, *args, **env):
     """``plogic batch`` over ``frames`` in a process group of its own, ended at last."""
-    command = [str(BIN / "plogic"), "batch", "frames", "--kb", "towers", "-o", out, *args]
+    command = [str(BIN / "plogic"), "batch", "frames", "--kb", str(KB), "-o", out, *args]
     pipe = subprocess.PIPE
     with subprocess.Popen(
         command, cwd=folder, stdin=pipe, stdout=pipe, stderr=pipe, start_new_session=True, env=os.environ | env
@@ -66,7 +64,7 @@ def waiting(frames, tmp_path_factory):
 @pytest.fixture(scope="module")
 def whole(waiting):
     """What one process writes about the same frames, where nobody waits."""
-    return plogic("batch", "frames", "--kb", "towers", "--jobs", 1, cwd=waiting[0]).stdout.encode()
+    return plogic("batch", "frames", "--kb", KB, "--jobs", 1, cwd=waiting[0]).stdout.encode()
 
 
 @pytest.mark.parametrize(("number", "status"), [(signal.SIGINT, 1), (signal.SIGTERM, 143), (signal.SIGKILL, -9)])
@@ -90,7 +88,7 @@ def test_a_run_that_was_ended_goes_on_with_nothing_lost_and_nothing_twice(waitin
     out.write_bytes(before + b'{"format":"frame/1","input":"frames/shot/la')
     assert (
         plogic(
-            "batch", "frames", "--kb", "towers", "-o", out, "--resume", "--jobs", 1, "--order", "done", cwd=root
+            "batch", "frames", "--kb", KB, "-o", out, "--resume", "--jobs", 1, "--order", "done", cwd=root
         ).returncode
         == 1
     )
@@ -103,14 +101,14 @@ def test_in_the_order_of_the_inputs_the_file_is_the_same_after_a_kill(waiting, w
     out, beside = root / "ordered.jsonl", root / "ordered.jsonl.waiting"
     with running(root, out, "--jobs", "2", **env) as child:
         wait_for_lines(out, NAMES.index("torn/image.png"))  # the late one is before it
-        second = plogic("batch", "frames", "--kb", "towers", "-o", out, "--resume", cwd=root)
+        second = plogic("batch", "frames", "--kb", KB, "-o", out, "--resume", cwd=root)
         assert (second.returncode, second.stderr) == (1, f"plogic: {out}: another run is writing it\n")
         wait_for_lines(beside, 1)
         os.killpg(child.pid, signal.SIGKILL)
     assert [json.loads(line)["input"] for line in beside.read_bytes().splitlines()] == ["frames/torn/image.png"]
-    fresh = plogic("batch", "frames", "--kb", "towers", "-o", out, cwd=root)
+    fresh = plogic("batch", "frames", "--kb", KB, "-o", out, cwd=root)
     assert fresh.returncode == 1
-    run = plogic("batch", "frames", "--kb", "towers", "-o", out, "--resume", "--jobs", 2, cwd=root)
+    run = plogic("batch", "frames", "--kb", KB, "-o", out, "--resume", "--jobs", 2, cwd=root)
     assert run.stderr.splitlines()[-1] == f"{out}: 9 frames, 8 of them before, 3 bad"
     assert out.read_bytes() == whole
     assert not beside.exists()
@@ -120,7 +118,7 @@ def test_where_only_the_first_frame_is_late_nothing_is_lost_either(waiting, tmp_
     root, env = waiting
     (tmp_path / "frames").symlink_to(root / "frames")
     out, beside = tmp_path / "out.jsonl", tmp_path / "out.jsonl.waiting"
-    args = ("frames/shot/late.png", "frames/g0.json", "frames/g1.json", "--kb", "towers", "-o", out)
+    args = ("frames/shot/late.png", "frames/g0.json", "frames/g1.json", "--kb", KB, "-o", out)
     command = [str(BIN / "plogic"), "batch", *map(str, args), "--jobs", "2"]
     with subprocess.Popen(
         command, cwd=tmp_path, stderr=subprocess.PIPE, start_new_session=True, env=os.environ | env
@@ -146,13 +144,13 @@ def test_a_worker_that_dies_or_hangs_costs_its_frame_alone(tmp_path):
     (place / "camera.json").write_text(json.dumps({"camera": CAMERA}))
     for name, kind in {"a": 90, "b": DIES, "c": 90, "d": WAITS, "e": DIES_ONCE, "f": 90}.items():
         picture(place / f"{name}.png", kind)
-    run = plogic("batch", "frames", "--kb", "towers", "--jobs", 2, "--timeout", 6, cwd=tmp_path, **env)
+    run = plogic("batch", "frames", "--kb", KB, "--jobs", 2, "--timeout", 4, cwd=tmp_path, **env)
     rows = [json.loads(line) for line in run.stdout.splitlines()]
     wrong = {row["input"][7]: row["error"] for row in rows if row["status"] == "error"}
     assert [row["input"][7] for row in rows] == list("abcdef")
     assert wrong == {
         "b": "the process that perceives it dies (signal 9), as for lack of memory",
-        "d": "took longer than 6 s",
+        "d": "took longer than 4 s",
     }
     assert run.returncode == 1
     assert (tmp_path / "detector" / "once").exists()
@@ -160,7 +158,7 @@ def test_a_worker_that_dies_or_hangs_costs_its_frame_alone(tmp_path):
 
 
 def test_a_changed_kb_is_refused_and_nothing_is_cut(frames, tmp_path):
-    shutil.copytree(shipped("towers"), tmp_path / "kb")
+    shutil.copytree(KB, tmp_path / "kb")
     out = tmp_path / "out.jsonl"
     args = ("batch", "frames/g1.json", "frames/g2.json", "--kb", tmp_path / "kb", "--jobs", 1, "-o", out)
     assert plogic(*args, cwd=frames).returncode == 0

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from functools import lru_cache
+
 import cv2
 import numpy as np
 
@@ -10,13 +12,20 @@ FINE = 8
 
 def sectors(arms, levels, place=(80.0, 80.0), size=161, noise=3.0, seed=0, length=None):
     """A picture whose directions from ``place`` between successive ``arms`` (radians, ascending) have ``levels``."""
-    v, u = (np.mgrid[: size * FINE, : size * FINE] + 0.5) / FINE - 0.5
-    angle = np.mod(np.arctan2(v - place[1], u - place[0]) - arms[0], 2 * np.pi)
+    turned, away = _around(tuple(place), size)
+    angle = np.mod(turned - arms[0], 2 * np.pi)
     bounds = np.mod(np.asarray(arms) - arms[0], 2 * np.pi)
     picture = np.asarray(levels, float)[np.searchsorted(bounds, angle, side="right") - 1]
     if length is not None:
-        picture[np.hypot(u - place[0], v - place[1]) > length] = float(np.mean(levels))
+        picture[away > length] = float(np.mean(levels))
     return sensed(picture, size, noise, seed)
+
+
+@lru_cache(maxsize=2)
+def _around(place, size):
+    """Direction and distance of each fine pixel from a place."""
+    v, u = (np.mgrid[: size * FINE, : size * FINE] + 0.5) / FINE - 0.5
+    return np.arctan2(v - place[1], u - place[0]), np.hypot(u - place[0], v - place[1])
 
 
 def quads(corners, wall=190.0, dark=45.0, size=(200, 160), noise=3.0, seed=0):
