@@ -155,7 +155,8 @@ def exchanged(task: Task, state: State) -> State:
     for rival in sorted(state.rivals, key=lambda h: -h.worth):
         excluded = [h for h in state.accepted if excludes(rival, h)]
         enough = state.stable.weight + task.models[rival.type].significance(rival)
-        ways = [[]] * all(shared_claims(rival, h)[1] <= SHARED_CLAIMS for h in excluded) + [excluded]
+        by_volume = all(shared_claims(rival, h)[1] <= SHARED_CLAIMS for h in excluded)
+        ways: list[list[Hypothesis]] = [[], excluded] if by_volume else [excluded]
         for lost in ways:
             if state.stable.weight + rival.worth - sum(h.worth for h in lost) <= enough:
                 continue
