@@ -79,7 +79,7 @@ def test_exchanged_looks_are_more_types_and_nothing_of_theirs_is_there(ready, po
     assert after.types == before.types + 12
     assert after.right == before.right
     assert 2.0 < after.others.sum() / before.others.sum() < 8.0
-    few = trial(ready.kb.types[1], ready.kb, EASY, np.random.default_rng(5000), appearances=80)
+    few = trial(ready.kb.types[1], ready.kb, EASY, np.random.default_rng(5000), appearances=120)
     assert falsely_accepted(ready, few.gamma, np.random.default_rng(1)) == 0
 
 

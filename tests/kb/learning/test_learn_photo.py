@@ -83,7 +83,7 @@ def test_command_learns_what_the_photo_shows(folder, tmp_path, monkeypatch):
     monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path / "cache"))
     learning = "kb.learning.observations", "plogic.face.authoring.kb_learn_look"
     for module in learning:
-        monkeypatch.setattr(f"{module}.DIRECTIONS", 12)
+        monkeypatch.setattr(f"{module}.DIRECTIONS", 16)
     for module in (*learning, "kb.learning.features"):
         monkeypatch.setattr(f"{module}.PIXELS", (230.0, 160.0))
     kb = tmp_path / "kb"
