@@ -110,9 +110,9 @@ def test_the_same_picture_gives_the_same_answer(perceiver):
 
 
 def test_copies_of_the_process_change_nothing(tmp_path):
-    """Three types of one look: what is told of each hypothesis is the same to the byte."""
+    """Five types of one look: what is told of each hypothesis is the same to the byte."""
     one = cloud(seen())
-    kb = read_kb(write_knowledge(tmp_path, dict.fromkeys(("cube", "twin", "third"), one)))
+    kb = read_kb(write_knowledge(tmp_path, dict.fromkeys(("cube", "twin", "third", "fourth", "last"), one)))
     image = picture(
         [pose_towards(CORNER, 0.6, 0.2, (-0.09, 0.0)), pose_towards((0.7, 0.8, 0.9), 0.6, -0.5, (0.1, 0.0))]
     )
