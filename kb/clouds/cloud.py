@@ -71,7 +71,8 @@ class ObjectType:
 
     @cached_property
     def _atoms(self) -> tuple[Feature, ...]:
-        return tuple(feature for feature in self.all_features if not feature.parts)
+        compounds = any(feature.parts for feature in self.features)
+        return tuple(f for f in self.all_features if not f.parts) if compounds else self.features
 
     @cached_property
     def whole(self) -> NDArray[np.intp]:
