@@ -14,6 +14,7 @@ from collections import Counter
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
+from itertools import accumulate
 from pathlib import Path
 
 import networkx as nx
@@ -64,17 +65,21 @@ class ObjectType:
     def seen_features(self) -> tuple[Feature, ...]:
         """F features that appearances are matched to, and that ``lobes`` are of.
 
-        ``features``, but of a learned compound its parts.
+        ``features``, but of a compound its atomic parts (D2).
         """
-        return self.features if self.learned_features is None else self.learned_features
+        return self._atoms if self.learned_features is None else self.learned_features
+
+    @cached_property
+    def _atoms(self) -> tuple[Feature, ...]:
+        compounds = any(feature.parts for feature in self.features)
+        return tuple(f for f in self.all_features if not f.parts) if compounds else self.features
 
     @cached_property
     def whole(self) -> NDArray[np.intp]:
         """(F,) which of ``features`` each of ``seen_features`` is, or is a part of."""
-        if self.learned_features is None:
-            return np.arange(len(self.features))
-        place = {name: i for i, feature in enumerate(self.features) for name in (feature.name, *feature.parts)}
-        return np.array([place[feature.name] for feature in self.learned_features], np.intp)
+        place = {feature.name: i for i, feature in enumerate(self.features)}
+        ways = [accumulate(feature.name.split("/"), "{}/{}".format) for feature in self.seen_features]
+        return np.array([next(place[node] for node in way if node in place) for way in ways], np.intp)
 
     @cached_property
     def kind_codes(self) -> tuple[tuple[str, ...], NDArray[np.intp]]:
@@ -103,7 +108,7 @@ class ObjectType:
     @cached_property
     def lobes(self) -> LobeTable:
         """The lobes of ``seen_features`` as arrays."""
-        return self.learned_lobes or lobe_table(self.features)
+        return self.learned_lobes or lobe_table(self.seen_features)
 
 
 @dataclass(frozen=True)

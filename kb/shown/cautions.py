@@ -146,9 +146,9 @@ def _of_type(kind: ObjectType) -> Iterator[str]:
     if unseen:
         yield f"no viewpoint sees {_named(unseen)}: the lobes lie inside or behind the type's own body"
     together = most_together(kind)
-    if len(kind.features) < FIXING_A_POSE:
-        yield f"has {len(kind.features)} features, and a pose is taken from {FIXING_A_POSE}: it is never found"
-    elif together < FIXING_A_POSE and len(unseen) < len(kind.features):
+    if len(kind.seen_features) < FIXING_A_POSE:
+        yield f"has {len(kind.seen_features)} features, and a pose is taken from {FIXING_A_POSE}: it is never found"
+    elif together < FIXING_A_POSE and len(unseen) < len(kind.seen_features):
         yield f"its lobes never meet: no viewpoint was found that sees {FIXING_A_POSE} features at once ({together} at most), so it is never found"
 
 

@@ -44,7 +44,7 @@ def told(posed: Hypothesis) -> list[int]:
     Of a learned one what is expected alone, or matched.
     """
     if told_in_full(posed):
-        return list(range(len(posed.object_type.features)))
+        return list(range(len(posed.object_type.seen_features)))
     return np.flatnonzero(_notable(posed)).tolist()
 
 
@@ -66,9 +66,12 @@ def counts(posed: Hypothesis, f: int) -> int:
 
 
 def compound_parts(posed: Hypothesis) -> tuple[PartFact, ...]:
-    """The learned compounds of which something is told, as nodes of the part-whole tree (A1)."""
+    """The learned compounds of which something is told, as nodes of the part-whole tree (A1).
+
+    Those written by hand are in the type's tree.
+    """
     kind = posed.object_type
-    if len(kind.features) == len(kind.seen_features):
+    if told_in_full(posed) or len(kind.features) == len(kind.seen_features):
         return ()
     whole = [kind.features[w] for w in np.unique(kind.whole[told(posed)])]
     return tuple(PartFact(f.name, f.name.rpartition("/")[0], "feature", f.type) for f in whole if f.parts)

@@ -262,7 +262,7 @@ class Hypothesis:
     def stands(self) -> NDArray[np.bool_]:
         """(F,) which features stand for a maximal one (A1).
 
-        All but those parts of a learned compound that another part stands for.
+        All but those parts of a compound that another part stands for.
 
         A compound looks like any of its parts and takes one appearance, so it is where its surest part is: one in the
         image, that is expected and detected, else expected, else detected; of several the one with the greatest hit

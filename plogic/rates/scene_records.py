@@ -156,7 +156,7 @@ def _interpreted(path: Path, kb: KnowledgeBase) -> Found:
 
     document = read_interpretation(str(path))
     plain = [{key: value for key, value in a.items() if key != "clutter"} for a in document["appearances"]]
-    source = {"format": "gamma/1", "camera": document["camera"], "appearances": plain}
+    source = {"format": "gamma/1", "camera": document.get("camera"), "appearances": plain}
     return Found(gamma_from_dict(source, str(path), kb.appearance_types), accepted_in(document))
 
 

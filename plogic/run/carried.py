@@ -76,7 +76,7 @@ def _hit(kind: ObjectType, kb: KnowledgeBase) -> NDArray[np.float64]:
     """(L,) how often each lobe is reported: measured, or that of the feature's type."""
     if kind.learned is not None:
         return np.asarray(kind.learned.hit)
-    of_feature = np.array([kb.rates.hit.get(feature.type, 0.8) for feature in kind.features])
+    of_feature = np.array([kb.rates.hit.get(feature.type, 0.8) for feature in kind.seen_features])
     return np.asarray(of_feature[kind.lobes.feature])
 
 

@@ -44,7 +44,7 @@ def next_view_command(source: str, number: int, seed: int, options: Moves, *, as
 
 def looked(document: Looked, number: int, seed: int, options: Moves) -> "NextView":
     """The document of an interpretation's next views, or of its stand-in's (``plogic.sequence.next_view.reading``)."""
-    camera, about = camera_from_dict(document["camera"]), options.about
+    about = options.about
     reading: Reading = options.reading or document["reading"]
     if "format" not in document:  # of a sequence
         _of_presence(document, reading, about)
@@ -55,6 +55,7 @@ def looked(document: Looked, number: int, seed: int, options: Moves) -> "NextVie
         worlds, unlisted = _worlds(whole, situation, options.reading)
         situation = replace(situation, reading=reading)
     prospect = prospect_of(document, worlds)
+    camera = camera_from_dict(document["camera"])
     answers = (
         None if about is None or situation is None else answers_in(situation, [members for _, members in worlds], about)
     )

@@ -209,7 +209,7 @@ class Interpretation(Asked, Result):
         from geometry.camera import camera_from_dict
         from plogic.face.python.pictures import Camera
 
-        return Camera.of(camera_from_dict(self._document["camera"]))
+        return Camera.of(camera_from_dict(self._document.get("camera")))
 
     @property
     def hypotheses(self) -> Hypotheses:

@@ -114,7 +114,7 @@ class Circuit:
 
 def _log_sums(inputs: Floats, level: Level) -> Floats:
     top = np.maximum.reduceat(inputs, level.first, axis=0)
-    finite = np.where(np.isneginf(top), 0.0, top)
+    finite = np.where(top == -np.inf, 0.0, top)
     with np.errstate(divide="ignore"):
         sums: Floats = np.log(np.add.reduceat(np.exp(inputs - finite[level.owner]), level.first, axis=0)) + finite
     return sums

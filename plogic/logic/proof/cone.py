@@ -50,6 +50,13 @@ class Choice:
         return next(iter(self.domain)) if len(self.domain) == 1 else None
 
     @cached_property
+    def _hash(self) -> int:
+        return hash((self.rule, self.values))
+
+    def __hash__(self) -> int:
+        return self._hash
+
+    @cached_property
     def order(self) -> tuple[int, str]:
         """For stable ties: as the program is written, then as the values read."""
         return self.rule, str(self.values)
@@ -62,11 +69,6 @@ Allowed = dict[Choice, frozenset[int]]
 def fixed(selection: Selection) -> Allowed:
     """A selection as what it allows."""
     return {choice: frozenset((taken,)) for choice, taken in selection.items()}
-
-
-def contradicts(selection: Selection, term: Allowed) -> bool:
-    """Whether no world of the selection is one of the term's."""
-    return any(choice in selection and selection[choice] not in allowed for choice, allowed in term.items())
 
 
 def key_of(selection: Selection) -> frozenset[tuple[Choice, int]]:

@@ -13,7 +13,9 @@ import heapq
 import math
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field
+from functools import reduce
 from itertools import islice
+from operator import or_
 from typing import Any
 
 from plogic.logic.proof.cone import (
@@ -23,7 +25,6 @@ from plogic.logic.proof.cone import (
     Selection,
     Steps,
     StoppedError,
-    contradicts,
     fixed,
     key_of,
     ordered,
@@ -43,7 +44,8 @@ class Search:
     """``log_given`` weighs selections; ``wanted`` is the value of the cone's root that is to be explained.
 
     ``stopped`` says that the budget of steps was used up: ``bound`` is then the greatest P(choices | evidence) that a
-    further explanation can have. ``pruned`` counts sets that contradict the evidence.
+    further explanation can have. ``pruned`` counts sets that contradict the evidence. ``against``: the ``terms`` that
+    a choice contradicts, as bits.
     """
 
     cone: Cone
@@ -53,6 +55,7 @@ class Search:
     bound: float = 0.0
     pruned: int = 0
     terms: list[Allowed] = field(default_factory=list)
+    against: dict[tuple[Choice, int], int] = field(default_factory=dict)
     found: list[Selection] = field(default_factory=list)
 
     def explanations(self) -> Iterator[tuple[float, Selection]]:
@@ -83,11 +86,14 @@ class Search:
 
     def _open_term(self, selection: Selection) -> Allowed | None:
         """An implicant of the opposite that the selection does not contradict; None if it entails what is wanted."""
-        for known in self.terms:
-            if not contradicts(selection, known):
-                return known
+        contradicted = reduce(or_, (self.against.get(item, 0) for item in selection.items()), 0)
+        first = (~contradicted & (contradicted + 1)).bit_length() - 1
+        if first < len(self.terms):
+            return self.terms[first]
         term = self.cone.counterexample(fixed(selection), not self.wanted)
         if term is not None:
+            for item in ((choice, head) for choice, allowed in term.items() for head in choice.domain - allowed):
+                self.against[item] = self.against.get(item, 0) | 1 << first
             self.terms.append(term)
         return term
 

@@ -93,13 +93,13 @@ class TypeIndex:
     @cached_property
     def triples(self) -> PlaneTriples:
         """Triples of neighbours on planes."""
-        found = plane_triples(self.object_type.features)
+        found = plane_triples(self.object_type.seen_features)
         return found.take(unique_sets(found.features, permutations(self.points, self.object_type.symmetries)))
 
     @cached_property
     def turns(self) -> Floats:
         """(F, 3) x axes of the features' frames, object frame: what a datum's angle is on the screen."""
-        return np.array([feature.rotation[:, 0] for feature in self.object_type.features]).reshape(-1, 3)
+        return np.array([feature.rotation[:, 0] for feature in self.object_type.seen_features]).reshape(-1, 3)
 
     @cached_property
     def neighbourhoods(self) -> Mask:
@@ -116,7 +116,7 @@ class TypeIndex:
         Then (1 + C,) what each neighbourhood weighs, and (F,) the types' names; None where a feature looks like several
         types, or none.
         """
-        looks = [sorted({a.type for a in feature.appearances}) for feature in self.object_type.features]
+        looks = [sorted({a.type for a in feature.appearances}) for feature in self.object_type.seen_features]
         if any(len(names) != 1 for names in looks):
             return None
         flat = tuple(name for names in looks for name in names)
@@ -137,7 +137,7 @@ class TypeIndex:
         if self.in_line is not None:
             counted, chance = self._counted(here), self._counted(by_chance, neighbourhoods=1)
             return Ranks(float(counted[0]), float(chance[0]), float(counted[1:].max(initial=0.0)))
-        looks = [frozenset(a.type for a in feature.appearances) for feature in self.object_type.features]
+        looks = [frozenset(a.type for a in feature.appearances) for feature in self.object_type.seen_features]
         allowed, usual = (compatible(looks, list(some.elements())) for some in (here, by_chance))
         some = (rank(self.weights[seen], allowed[seen]) for seen in self.neighbourhoods[1:] if seen.any())
         return Ranks(rank(self.weights, allowed), rank(self.weights, usual), max(some, default=0.0))
@@ -199,7 +199,7 @@ class TypeIndex:
 
     @cached_property
     def _features_by_look(self) -> dict[str, Mask]:
-        types = [frozenset(a.type for a in feature.appearances) for feature in self.object_type.features]
+        types = [frozenset(a.type for a in feature.appearances) for feature in self.object_type.seen_features]
         names = sorted(frozenset().union(*types))
         return dict(zip(names, compatible(types, names).T, strict=True))
 
@@ -217,9 +217,10 @@ def type_index(
 
     ``cells``, where they are known.
     """
-    features = object_type.features
-    weights = np.array([dv[feature.type] for feature in features])
-    weights = weights if weights.any() else np.ones(len(features))
+    features = object_type.seen_features
+    members = np.bincount(object_type.whole)[object_type.whole]  # a compound weighs as one (A1)
+    weights = np.array([dv[object_type.features[w].type] for w in object_type.whole])
+    weights = (weights if weights.any() else np.ones(len(features))) / members
     points = np.array([feature.at for feature in features]).reshape(-1, 3)
     links = feature_links(points, [feature.arms for feature in features])
     links = links[unique_sets(links, permutations(points, object_type.symmetries))]

@@ -76,7 +76,7 @@ def looking_back(directions: Floats) -> Floats:
 
 def view_cells(object_type: ObjectType, number: int = CELLS) -> ViewCells:
     """Precompute the cells of a type with a surface. Rays are cast for Behind only here, not per hypothesis."""
-    positions = np.array([feature.at for feature in object_type.features])
+    positions = np.array([feature.at for feature in object_type.seen_features])
     centre, diameter = _bounds(object_type)
     directions = fibonacci_sphere(number)
     rotations = looking_back(directions)
@@ -97,7 +97,7 @@ def _along_arms(object_type: ObjectType, diameter: float) -> tuple[Floats, Indic
     """A point (N, 3) a little way along each edge, its feature (N,) and the edge's number there (N,)."""
     rows = [
         (feature.at + 0.05 * diameter * arm, f, k)
-        for f, feature in enumerate(object_type.features)
+        for f, feature in enumerate(object_type.seen_features)
         for k, arm in enumerate(feature.arms)
     ]
     owner, slot = (np.array([row[i] for row in rows], np.intp) for i in (1, 2))
@@ -113,7 +113,7 @@ def remade(object_type: ObjectType, xy: Floats, visible: Mask, arms: Floats) -> 
 def _bounds(object_type: ObjectType) -> tuple[Floats, float]:
     """Middle (3,) and diagonal of the box round a type's surface, or round its features where it has none."""
     surface = object_type.surface
-    points = np.array([feature.at for feature in object_type.features]) if surface is None else surface.vertices
+    points = np.array([feature.at for feature in object_type.seen_features]) if surface is None else surface.vertices
     low, high = points.min(axis=0), points.max(axis=0)
     return (low + high) / 2.0, float(np.linalg.norm(high - low)) or 1.0
 

@@ -103,7 +103,7 @@ def sigmas(posed: Hypothesis, kb: KnowledgeBase) -> Floats:
 
 def sigmas_of(kind: ObjectType, rates: Rates) -> Floats:
     """Location noise (F,) of the features of a type by hand, pixels, as the KB states it."""
-    return np.array([rates.sigma_of(feature.type) for feature in kind.features])
+    return np.array([rates.sigma_of(feature.type) for feature in kind.seen_features])
 
 
 def pose_information(posed: Hypothesis, camera: Camera, kb: KnowledgeBase) -> Floats:
@@ -151,7 +151,7 @@ def hit_rates(posed: Hypothesis, kb: KnowledgeBase, hidden: Mask | None = None) 
     """
     if posed.hit is not None:
         return np.clip(posed.hit * clarities(posed, hidden), LEAST_HIT, MOST_HIT)
-    return np.array([kb.rates.hit.get(feature.type, 0.8) for feature in posed.object_type.features])
+    return np.array([kb.rates.hit.get(feature.type, 0.8) for feature in posed.object_type.seen_features])
 
 
 CLEAR = 8.0

@@ -94,9 +94,13 @@ def _made_by() -> bytes:
 
 def _content(kind: ObjectType) -> bytes:
     """SHA-256 over a type: its features, their lobes, its surface and symmetries."""
-    features, table, surface = kind.features, kind.lobes, kind.surface
+    features, table, surface = kind.seen_features, kind.lobes, kind.surface
     named = [(feature.name, feature.type, feature.parts, len(feature.arms)) for feature in features]
-    total = hashlib.sha256(repr((kind.name, kind.opaque, surface is None, named, table.types, table.features)).encode())
+    total = hashlib.sha256(
+        repr(
+            (kind.name, kind.opaque, surface is None, named, table.types, table.features, kind.whole.tolist())
+        ).encode()
+    )
     arrays = [
         np.array([feature.at for feature in features]), np.array([feature.rotation for feature in features]),
         np.concatenate([np.zeros((0, 3)), *(feature.arms for feature in features)]), kind.symmetries,
@@ -124,7 +128,7 @@ def ready(types: Sequence[ObjectType], dv: Mapping[str, float], folder: Path | N
     arrays = arrays_of(
         folder / key_of(types), _NAMES, lambda: _arrays(pair_index([oriented_index(kind, dv) for kind in types]))
     )
-    ends = np.cumsum([0, *(len(kind.features) for kind in types)])
+    ends = np.cumsum([0, *(len(kind.seen_features) for kind in types)])
     indices = [
         oriented_index(kind, dv, remade(kind, *(arrays[f"cells_{name}"][:, low:high] for name in _CELLS)))
         for kind, low, high in zip(types, ends[:-1], ends[1:], strict=True)

@@ -169,7 +169,7 @@ class PairIndex:
     @cached_property
     def feature_types(self) -> tuple[tuple[str, ...], Indices]:
         """Names of the types that features are of, and by number that of each feature (T, F), padded with zeros."""
-        types = [[feature.type for feature in index.object_type.features] for index in self.indices]
+        types = [[feature.type for feature in index.object_type.seen_features] for index in self.indices]
         names = tuple(sorted({name for row in types for name in row}))
         number = {name: i for i, name in enumerate(names)}
         table = np.zeros((len(types), max((len(row) for row in types), default=0)), np.intp)

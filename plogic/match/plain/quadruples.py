@@ -102,7 +102,7 @@ def worth(scene: Scene, poses: Floats, wider: float) -> Floats:
     A datum may serve several features: what is left is verified.
     """
     index, pairs, kb = scene.of, scene.pairs, scene.kb
-    features = index.object_type.features
+    features = index.object_type.seen_features
     hit = np.array([kb.rates.hit.get(feature.type, 0.8) for feature in features])
     sigma = wider * np.array([kb.rates.sigma_of(feature.type) for feature in features])
     apart_by = off(poses, pairs, scene.uv, scene.data.camera)

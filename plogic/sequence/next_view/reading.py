@@ -29,7 +29,6 @@ from plogic.sequence.next_view.expected import Body, Cloud, Prospect
 
 SLACK = 0.004
 """Share of a body's diameter that the surface must be met before a feature to hide it, as where it was perceived."""
-AGAIN = "says nothing of how its types are seen, as older ones do: perceive again (`plogic perceive`)"
 
 
 def prospect_of(
@@ -42,8 +41,9 @@ def prospect_of(
     The probabilities of what is listed are scaled to sum to 1. Raises InterpretationError where it is an old one, or
     broken.
     """
-    if "types" not in document or "sensing" not in document:
-        raise InterpretationError(AGAIN)
+    lacking = [key for key in USED if key not in document]
+    if lacking:
+        raise InterpretationError(f"{', '.join(lacking)}: is missing; if it is an older one, perceive again")
     try:
         listed = [(float(w["probability"]), w["present"]) for w in document["worlds"]] if worlds is None else worlds
         return _prospect(document, listed)

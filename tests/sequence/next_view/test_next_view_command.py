@@ -129,10 +129,11 @@ def test_the_table_says_what_is_uncertain_and_why(file):
     assert text == _asked(file, "-n", "2")
 
 
-def test_an_older_interpretation_is_told_to_perceive_again(file):
-    old = {key: value for key, value in document().items() if key not in ("types", "sensing")}
+@pytest.mark.parametrize("lost", [("sensing", "types"), ("camera",), ("assets",)])
+def test_an_older_interpretation_is_told_to_perceive_again(file, lost):
+    old = {key: value for key, value in document().items() if key not in lost}
     file.write_text(text_of(old))
-    with pytest.raises(PlogicError, match=r"i\.json: .*perceive again") as error:
+    with pytest.raises(PlogicError, match=rf"i\.json: {', '.join(lost)}: is missing; .*perceive again") as error:
         _asked(file)
     assert len(str(error.value).splitlines()) == 1
 
