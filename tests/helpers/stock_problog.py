@@ -1,4 +1,7 @@
-"""Stock ProbLog on program texts, each line of which is parsed once: most lines of our texts are always the same."""
+"""Stock ProbLog on program texts, each line of which is parsed once: most lines of our texts are always the same.
+
+The weight of the evidence is that of the whole program, and is computed once, not with each query again.
+"""
 
 from __future__ import annotations
 
@@ -9,7 +12,12 @@ def evaluated(text):
     """Query → probability, by ProbLog's own Python interface."""
     from problog import get_evaluatable
 
-    return get_evaluatable("ddnnf").create_from(program(text)).evaluate()
+    formula = get_evaluatable("ddnnf").create_from(program(text))
+    evaluator = formula.get_evaluator()
+    formula.get_evaluator = lambda *_, **__: evaluator
+    evidence = evaluator._get_z()
+    evaluator._get_z = lambda: evidence
+    return formula.evaluate()
 
 
 def program(text):

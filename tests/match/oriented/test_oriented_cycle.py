@@ -69,11 +69,25 @@ def test_what_is_accepted_claims_its_own_data():
         assert not wrong.any(), "nothing is matched beyond three deviations"
 
 
+def clutter_alone(seed):
+    """Of a trial of few and small types, what none of them caused."""
+    _, case, _ = a_trial(few(), seed, appearances=120)
+    return Gamma(case.gamma.camera, tuple(a for a in case.gamma.appearances if a.id not in case.causes))
+
+
+@cache
+def few():
+    return clouds(count=3, features=60, appearances=120)
+
+
+@cache
+def perceiver_of_few():
+    return Perceiver(few().kb)
+
+
 def test_of_clutter_alone_nothing_is_accepted():
     for seed in range(4):
-        _, case, _ = a_trial(clouds(), seed)
-        clutter = Gamma(case.gamma.camera, tuple(a for a in case.gamma.appearances if a.id not in case.causes))
-        assert accepted(perceiver(), clutter) == []
+        assert accepted(perceiver_of_few(), clutter_alone(seed)) == []
 
 
 def two_objects():
@@ -185,9 +199,7 @@ def test_what_is_seen_too_far_apart_for_pairs_is_found_by_single_data():
 
 
 def test_of_clutter_alone_it_looks_deeper_once():
-    _, case, _ = a_trial(clouds(), 1)
-    clutter = Gamma(case.gamma.camera, tuple(a for a in case.gamma.appearances if a.id not in case.causes))
-    found, events = steps(clutter)
+    found, events = steps(clutter_alone(1), perceiver_of_few())
     assert found == []
     assert events.count("deepen") == 1
 
@@ -200,8 +212,6 @@ def test_what_is_accepted_at_once_needs_no_deeper_look():
 
 
 def test_types_that_were_left_out_are_told_of(monkeypatch):
-    _, case, _ = a_trial(clouds(), 1)
-    clutter = Gamma(case.gamma.camera, tuple(a for a in case.gamma.appearances if a.id not in case.causes))
     monkeypatch.setattr(single_votes, "MOST", 0)
-    _, _, trace = perceiver().delta(clutter, Options(reading="posterior"), Stopwatch())
-    assert [step["why"].split(",")[0] for step in trace if step["event"] == "deepen"][1:] == ["5 types were left out"]
+    _, _, trace = perceiver_of_few().delta(clutter_alone(1), Options(reading="posterior"), Stopwatch())
+    assert [step["why"].split(",")[0] for step in trace if step["event"] == "deepen"][1:] == ["3 types were left out"]
