@@ -22,6 +22,7 @@ from typing import Any
 
 import numpy as np
 from ruamel.yaml import YAML
+from ruamel.yaml.composer import MaxDepthExceededError
 from ruamel.yaml.constructor import SafeConstructor
 from ruamel.yaml.error import MarkedYAMLError, YAMLError
 
@@ -30,6 +31,8 @@ from geometry.errors import CameraError
 from geometry.files.plain_files import fault_of, json_of, parsed_json, text_of
 from geometry.frames import from_rotation_translation, inverse
 
+MAX_DEPTH = 20
+"""Levels of nesting: a calibration has four."""
 MAX_CHARS = 2**20  # a calibration is some hundreds
 
 
@@ -250,12 +253,15 @@ def read_yaml(text: str) -> object:
     if len(text) > MAX_CHARS:
         raise CameraError(f"must be a calibration of at most {MAX_CHARS} characters, not {len(text)}")
     loader = YAML(typ="safe", pure=True)
-    loader.Constructor = _Constructor
+    loader.Constructor, loader.max_depth = _Constructor, MAX_DEPTH
     try:
         return loader.load(_without_directive(text))
     except MarkedYAMLError as error:
         mark = error.problem_mark or error.context_mark
-        why = " ".join(str(error.problem or error.context).split())
+        deep = isinstance(error, MaxDepthExceededError)
+        why = (
+            f"nested deeper than {MAX_DEPTH} levels" if deep else " ".join(str(error.problem or error.context).split())
+        )
         raise CameraError(f"is not plain YAML: {why}", line=None if mark is None else mark.line + 1) from error
     except (YAMLError, ValueError, RecursionError, TypeError) as error:
         why = " ".join(str(error).split())[:120]

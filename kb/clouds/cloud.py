@@ -71,8 +71,9 @@ class ObjectType:
 
     @cached_property
     def _atoms(self) -> tuple[Feature, ...]:
-        compounds = any(feature.parts for feature in self.features)
-        return tuple(f for f in self.all_features if not f.parts) if compounds else self.features
+        if not any(feature.parts for feature in self.features):
+            return self.features
+        return tuple(feature for feature in self.all_features if not feature.parts)
 
     @cached_property
     def whole(self) -> NDArray[np.intp]:

@@ -106,9 +106,9 @@ def load(file: str, content: bytes) -> Document:
     except MarkedYAMLError as error:
         mark = error.problem_mark or error.context_mark
         line, column = (mark.line + 1, mark.column + 1) if mark else (1, 1)
-        if isinstance(error, MaxDepthExceededError):
-            return _unread(file, f"nested deeper than {MAX_DEPTH} levels", line, column)
-        return _unread(file, f"no YAML: {error.problem or error.context}", line, column)
+        deep = isinstance(error, MaxDepthExceededError)
+        why = f"nested deeper than {MAX_DEPTH} levels" if deep else f"no YAML: {error.problem or error.context}"
+        return _unread(file, why, line, column)
     except (YAMLError, ValueError) as error:
         return _unread(file, f"no YAML: {str(error).splitlines()[0]}")
     builder = _Builder(file)

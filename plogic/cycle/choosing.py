@@ -161,7 +161,7 @@ def exchanged(task: Task, state: State) -> State:
             if state.stable.weight + rival.worth - sum(h.worth for h in lost) <= enough:
                 continue
             task.deadline.check()
-            others = [h for h in state.accepted if not any(h is one for one in lost)]
+            others = (h for h in state.accepted if not any(h is one for one in lost))
             found = stable(task, (*others, accepted(rival)), (acceptance(rival),))
             if found.weight > enough:
                 task.heaviest.keep(found)

@@ -164,8 +164,8 @@ def ranked(delta: Delta, trace: list[StepRow], seconds: float | None = None) -> 
     accepted = [name for name, belief in delta.beliefs.items() if belief.status == "accepted"]
     try:
         ranking = ranked_worlds(delta.situation, LISTED_WORLDS, seconds=seconds)
-        any_left = any(ranking.marginals[name] > 0.0 for name in accepted) or not accepted
-        why = "" if any_left else "no possible world holds anything that was accepted"
+        lost = delta.situation.reading == "score" and {ranking.marginals[name] for name in accepted} == {0.0}
+        why = "no possible world holds anything that was accepted" * lost
     except InconsistentError as error:
         why = str(error)
         if delta.situation.smoothing > 0.0:
@@ -181,5 +181,11 @@ def ranked(delta: Delta, trace: list[StepRow], seconds: float | None = None) -> 
 
 def _step(number: int, event: str, why: str, name: str | None = None, of: Hypothesis | None = None) -> StepRow:
     """One more of a trace that is written already."""
-    kind, ev = (None, None) if of is None else (of.type, of.ev)
-    return {"step": number, "event": event, "hypothesis": name, "type": kind, "ev": ev, "why": why}
+    return {
+        "step": number,
+        "event": event,
+        "hypothesis": name,
+        "type": None if of is None else of.type,
+        "ev": None if of is None else of.ev,
+        "why": why,
+    }
