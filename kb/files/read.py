@@ -189,18 +189,14 @@ def read_kb(folder: Path | str) -> KnowledgeBase:
     )
     mistakes = list(dict.fromkeys(place.mistakes + wrong))
     if mistakes or model is None:
-        raise KBErrors([*mistakes, *_cautions(objects)])
+        cautions = (  # they would come to light only after the mistakes are mended
+            item.document.mistake(("mesh", "file"), f"warning: {item.surface.caution}")
+            for item in objects
+            if item.surface is not None and item.surface.caution
+        )
+        raise KBErrors([*mistakes, *cautions])
     types = tuple(_type(item.model, item, words) for item in objects if item.model is not None)
     return _knowledge_base(place, model, types, rules, words)
-
-
-def _cautions(objects: Sequence[_Object]) -> list[Mistake]:
-    """What is told of meshes beside mistakes: their faults would come to light only after these are mended."""
-    return [
-        item.document.mistake(("mesh", "file"), f"warning: {item.surface.caution}")
-        for item in objects
-        if item.surface is not None and item.surface.caution
-    ]
 
 
 def _check_folder(root: Path) -> None:

@@ -77,10 +77,12 @@ def read_truth(path: Path, known: Collection[str]) -> Truth:
             wrong.append(f"objects.{i}.T_camera_object: should be a rigid motion, 4 rows of 4 numbers, metres")
     if wrong:
         raise InputError("\n".join(f"{path}: {line}{NULL if '.label: ' in line else ''}" for line in wrong))
-    objects = [
-        TrueObject(row["label"], np.array(row["T_camera_object"]), row.get("visible_fraction", 1.0)) for row in rows
-    ]
-    return Truth(tuple(objects), data.get("complete", True))
+    return Truth(
+        tuple(
+            TrueObject(row["label"], np.array(row["T_camera_object"]), row.get("visible_fraction", 1.0)) for row in rows
+        ),
+        data.get("complete", True),
+    )
 
 
 @dataclass(frozen=True)
