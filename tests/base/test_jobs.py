@@ -106,7 +106,7 @@ def test_who_stops_asking_waits_for_nobody(some):
     began = time.monotonic()
     with closing(each(done, range(1000), some)) as results:
         assert next(results) == 0
-    assert time.monotonic() - began < 30.0
+    assert time.monotonic() - began < 10.0  # this process alone takes 20 s for all
 
 
 def test_who_may_have_no_children_does_all_alone():

@@ -6,15 +6,22 @@ import math
 from itertools import product
 
 import pytest
-from stock_problog import evaluated
 
 from plogic.facts.situation import names_of
 from plogic.scene.text.program_text import program_text
 from plogic.scene.worlds.ranked_worlds import ranked_worlds
 
 
+def evaluated(text):
+    """Query, a term of ProbLog's, → probability, by ProbLog's own Python interface."""
+    from problog import get_evaluatable
+    from problog.program import PrologString
+
+    return get_evaluatable("ddnnf").create_from(PrologString(text)).evaluate()
+
+
 def stock(text):
-    """Query → probability, by ProbLog's own Python interface."""
+    """The same, each query as text."""
     return {str(goal): p for goal, p in evaluated(text).items()}
 
 

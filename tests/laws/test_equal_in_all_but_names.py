@@ -6,7 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from many_objects import accepted_rows, few_kb, twins, two_of_seed
+from many_objects import accepted_rows, few_kb, few_of_seed, twins
 
 from plogic.cycle.delta import Options
 from plogic.run.perceive import Perceiver
@@ -23,12 +23,12 @@ def told(document):
 @pytest.fixture(scope="module")
 def one():
     """What is made of the scene where every type is there twice."""
-    return Perceiver(twins())(two_of_seed(SEED).gamma, Options(reading="posterior"))
+    return Perceiver(twins())(few_of_seed(SEED).gamma, Options(reading="posterior"))
 
 
 @pytest.mark.parametrize("order", ["reversed", "mixed"])
 def test_of_two_types_that_are_equal_the_first_by_name_is_found(one, order):
-    kb, gamma = twins(), two_of_seed(SEED).gamma
+    kb, gamma = twins(), few_of_seed(SEED).gamma
     other = (
         kb.types[::-1]
         if order == "reversed"
@@ -39,7 +39,7 @@ def test_of_two_types_that_are_equal_the_first_by_name_is_found(one, order):
 
 
 def test_of_two_data_that_are_equal_the_first_by_name_is_claimed():
-    gamma = two_of_seed(SEED).gamma
+    gamma = few_of_seed(SEED).gamma
     again = tuple(replace(datum, id=f"{datum.id}_again") for datum in gamma.appearances)
     perceiver, both = Perceiver(few_kb()), gamma.appearances + again
     one = perceiver(Gamma(gamma.camera, both), Options(reading="posterior"))

@@ -12,7 +12,7 @@ from itertools import pairwise
 import numpy as np
 import pytest
 from interrupted import LATE, stopped_after
-from many_objects import accepted_rows, few_types, two_of_seed
+from many_objects import accepted_rows, few_of_seed, few_types
 from stopping import stopped
 from synthetic import one_before_the_other, perceiver, scene
 
@@ -34,7 +34,7 @@ def towers_of(seed):
 
 
 SCENES = {f"towers {seed}": (perceiver, lambda seed=seed: towers_of(seed)) for seed in (6201, 6202, 6203)} | {
-    f"objects {seed}": (few_types, lambda seed=seed: two_of_seed(seed).gamma) for seed in (5031, 5033)
+    f"objects {seed}": (few_types, lambda seed=seed: few_of_seed(seed).gamma) for seed in (5031, 5033)
 }
 """Scenes of several seeds: what perceives them, and their Γ."""
 TWO = "towers 6201", "objects 5031"

@@ -14,7 +14,7 @@ from enumeration import log_weights
 from hypothesis import HealthCheck, Phase, given, settings
 from hypothesis import strategies as st
 from situations import feature, hypothesis, random_situations, situation, with_gravity
-from stock_problog import evaluated
+from stock_worlds import evaluated
 
 from plogic.base.errors import InconsistentError, SituationError
 from plogic.facts.situation import names_of

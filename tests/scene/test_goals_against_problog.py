@@ -9,7 +9,7 @@ import pytest
 from hypothesis import HealthCheck, assume, given, settings
 from hypothesis import strategies as st
 from situations import feature, hypothesis, random_situations, situation, towers
-from stock_problog import evaluated
+from stock_worlds import evaluated
 from tangles import tangle
 
 from plogic.base.errors import InconsistentError, OutsideError, UnknownPredicateError

@@ -10,7 +10,7 @@ import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 from situations import POSE, feature, hypothesis, random_situations, situation
-from stock_problog import evaluated
+from stock_worlds import evaluated
 
 from plogic.base.errors import InconsistentError
 from plogic.facts.situation import names_of

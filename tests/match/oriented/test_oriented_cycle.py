@@ -154,10 +154,10 @@ def test_where_nothing_is_accepted_single_data_vote(monkeypatch):
     What is found then was found by what was asked later.
     """
     monkeypatch.setattr(generate, "USUAL", generate.USUAL._replace(laid=1))
-    ready, later = clouds(count=3, features=60, detector=HARD, appearances=250), 0
+    ready, later = clouds(detector=HARD, appearances=600, looks=20), 0
     hard = Perceiver(ready.kb)
     for seed in (0, 1, 3, 7, 11):
-        _, case, _ = a_trial(ready, seed, HARD, 250)
+        _, case, _ = a_trial(ready, seed, HARD, 600)
         found, events = steps(case.gamma, hard)
         assert found == [case.truth.type]
         assert events.count("deepen") <= 1
