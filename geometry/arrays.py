@@ -54,10 +54,10 @@ def _fits(want: int, got: int) -> bool:
 
 
 def summed(values: Floats) -> Floats:
-    """The sums (...) over a last axis of two to seven, to the same bit as numpy's and far sooner."""
+    """The sums (...) over a last axis of two to seven, added in its order, which is far quicker than numpy's own."""
     return reduce(np.add, (values[..., axis] for axis in range(values.shape[-1])))
 
 
 def lengths(vectors: Floats) -> Floats:
-    """The Euclidean lengths (...) along such an axis, to the same bit as numpy's and far sooner."""
+    """The Euclidean lengths (...) along such an axis."""
     return np.asarray(np.sqrt(summed(vectors * vectors)))

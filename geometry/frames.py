@@ -37,15 +37,6 @@ def compose(*transforms: ArrayLike) -> Floats:
     return reduce(np.matmul, (last_axes(T, (4, 4), "T") for T in transforms), np.eye(4))
 
 
-def rotated(rotations: Floats, points: Floats) -> Floats:
-    """Points (N, V, 3), or the same (V, 3) of all, turned by rotations (N, 3, 3): (N, V, 3).
-
-    To the same bit as ``einsum``, which goes from point to point, and far sooner.
-    """
-    x, y, z = (points[..., axis] for axis in range(3))
-    return np.stack([r[:, :1] * x + r[:, 2:] * z + r[:, 1:2] * y for r in np.swapaxes(rotations, 0, 1)], axis=-1)
-
-
 def transform_points(T: ArrayLike, points: ArrayLike) -> Floats:
     """`points` (..., N, 3) of frame b in frame a, for `T` = `a_from_b` (..., 4, 4); (..., N, 3)."""
     transform, positions = last_axes(T, (4, 4), "T"), last_axes(points, (-1, 3), "points")

@@ -19,7 +19,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike
 
-from geometry.arrays import Floats, Mask, last_axes, summed
+from geometry.arrays import Floats, Mask, last_axes, lengths, summed
 from geometry.errors import GeometryError
 from geometry.frames import from_rotation_translation
 
@@ -105,7 +105,7 @@ def turned(i: Floats, j: Floats) -> tuple[Floats, Floats, Floats]:
 
     The error is shared between the two axes. Skew is the greater of |cos| between them and their unlikeness in length.
     """
-    length_i, length_j = (np.maximum(np.sqrt(summed(axis * axis)), 1e-12) for axis in (i, j))
+    length_i, length_j = (np.maximum(lengths(axis), 1e-12) for axis in (i, j))
     a, b = i / length_i[..., None], j / length_j[..., None]
     middle, across = _unit(a + b), _unit(a - b)  # perpendicular, whatever the angle between the two
     x, y = _unit(middle + across), _unit(middle - across)
@@ -137,7 +137,7 @@ def _pseudo_inverse(arms: Floats) -> tuple[Floats, Floats]:
 
 
 def _unit(vectors: Floats) -> Floats:
-    length = np.sqrt(summed(vectors * vectors))[..., None]
+    length = lengths(vectors)[..., None]
     return np.asarray(vectors / np.maximum(length, 1e-12))
 
 

@@ -20,7 +20,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from geometry.arrays import Floats, last_axes, summed
+from geometry.arrays import Floats, last_axes, lengths, summed
 from geometry.camera import NEAREST, Camera
 from geometry.errors import GeometryError
 
@@ -127,7 +127,7 @@ def normal_equations(seen: Seen, task: Task) -> tuple[Floats, Floats]:
     turned, placed, off, s = seen
     weight = task.weights
     if np.isfinite(task.huber):
-        weight = weight * np.minimum(1.0, task.huber / np.maximum(np.sqrt(summed(off * off)), 1e-12))
+        weight = weight * np.minimum(1.0, task.huber / np.maximum(lengths(off), 1e-12))
     jacobian = counting(jacobian_of(turned, placed, s, task.K), task.onto)
     weighted = np.swapaxes(jacobian * np.repeat(weight, 2, axis=1)[..., None], 1, 2)
     return weighted @ jacobian, (weighted @ off.reshape(len(off), -1, 1))[..., 0]

@@ -137,8 +137,7 @@ def behind(
     before a point the surface must be met, by default 0.005 of the surface's size. NaN points are behind nothing.
     """
     object_from_camera = inverse(last_axes(camera_from_object, (4, 4), "camera_from_object"))
+    margin = TOLERANCE * mesh.size if tolerance is None else tolerance
     return mesh.blocks(
-        object_from_camera[:3, 3],
-        transform_points(object_from_camera, np.asarray(points_camera)),
-        TOLERANCE * mesh.size if tolerance is None else tolerance,
+        object_from_camera[:3, 3], transform_points(object_from_camera, np.asarray(points_camera)), margin
     )

@@ -12,7 +12,7 @@ from dataclasses import replace
 import numpy as np
 from scipy.optimize import linear_sum_assignment
 
-from geometry.arrays import Floats, Indices, Mask, summed
+from geometry.arrays import Floats, Indices, Mask, lengths
 from geometry.camera import Camera
 from geometry.frames import inverse, transform_points
 from geometry.poses.refine import Sight, refine_sights, refined_poses
@@ -83,7 +83,7 @@ def matched(
     """
     free = np.ones(len(data.ids), dtype=bool) if free is None else free
     expected = posed.expected(hidden)
-    off = np.sqrt(summed((np.nan_to_num(posed.uv, nan=1e9)[:, None] - data.uv[None]) ** 2))
+    off = lengths(np.nan_to_num(posed.uv, nan=1e9)[:, None] - data.uv[None])
     near = off <= tolerance
     matches = np.full(len(posed.uv), -1, dtype=np.intp)
     _assign(matches, off, near & free & posed.right & expected[:, None], tolerance)

@@ -23,8 +23,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from geometry.arrays import Floats, Indices, summed
-from geometry.frames import rotated
+from geometry.arrays import Floats, Indices, lengths, summed
+from geometry.frames import transform_points
 from geometry.poses.reprojection import information
 from kb.clouds.lobes import GRAIN
 from plogic.match.gamma.data import centre_of, viewpoints_of
@@ -66,7 +66,7 @@ def shown(index: PairIndex, kind: Indices, poses: Floats) -> Shown:
     own = kind[pose], lobe
     feature = lobes.feature[own]
     view = views[pose] - index.points[kind[pose], feature]
-    held = summed(view * lobes.axis[own]) >= lobes.cos_half[own] * np.sqrt(summed(view * view)) - GRAIN
+    held = summed(view * lobes.axis[own]) >= lobes.cos_half[own] * lengths(view) - GRAIN
     return Shown(pose[held], feature[held], lobes.looks[own][held])
 
 
@@ -205,7 +205,7 @@ def _held(sights: _Sights, pairs: _Pairs, part: Floats, weight: Floats, poses: i
 def _freedom(asked: Asked, kind: Indices, poses: Floats, held: Held, noise: Noise, sigma: Floats) -> Floats:
     """(N,) the logarithm of the share of all poses that fit about as well."""
     points, _, weight, across = met(poses, held, noise, asked.camera, sigma)
-    at = rotated(poses[:, :3, :3], points) + poses[:, None, :3, 3]
+    at = transform_points(poses, points)
     middle = np.einsum("nij,nj->ni", poses[:, :3, :3], asked.index.centres[kind]) + poses[:, :3, 3]
     at[weight <= 0.0] = [0.0, 0.0, 1.0]
     middle[:, 2] = np.maximum(middle[:, 2], NEAREST)

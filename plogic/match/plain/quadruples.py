@@ -18,9 +18,9 @@ from typing import NamedTuple
 
 import numpy as np
 
-from geometry.arrays import Floats, Indices, Mask, summed
+from geometry.arrays import Floats, Indices, Mask, lengths
 from geometry.camera import Camera
-from geometry.frames import inverse, rotated
+from geometry.frames import inverse, transform_points
 from geometry.poses.posit import posit
 from geometry.poses.refine import refined_poses
 from kb.clouds.cloud import KnowledgeBase, ObjectType
@@ -67,9 +67,9 @@ def off(poses: Floats, pairs: Typed, uv: Floats, camera: Camera) -> Floats:
 
     Infinite behind the camera.
     """
-    at = rotated(poses[:, :3, :3], pairs.points) + poses[:, None, :3, 3]
+    at = transform_points(poses, pairs.points)
     shown = camera.to_pixels(at[..., :2] / np.where(at[..., 2] > 0.0, at[..., 2], np.nan)[..., None])
-    return np.nan_to_num(np.sqrt(summed((shown[:, pairs.feature] - uv[pairs.datum]) ** 2)), nan=np.inf)
+    return np.nan_to_num(lengths(shown[:, pairs.feature] - uv[pairs.datum]), nan=np.inf)
 
 
 WIDENED = 4.0, 2.0, 1.0
