@@ -61,19 +61,15 @@ class ObjectType:
     def __post_init__(self) -> None:
         freeze(self, symmetries=(-1, 4, 4))
 
-    @property
+    @cached_property
     def seen_features(self) -> tuple[Feature, ...]:
         """F features that appearances are matched to, and that ``lobes`` are of.
 
         ``features``, but of a compound its atomic parts (D2).
         """
-        return self._atoms if self.learned_features is None else self.learned_features
-
-    @cached_property
-    def _atoms(self) -> tuple[Feature, ...]:
-        if not any(feature.parts for feature in self.features):
-            return self.features
-        return tuple(feature for feature in self.all_features if not feature.parts)
+        if self.learned_features is None and any(feature.parts for feature in self.features):
+            return tuple(feature for feature in self.all_features if not feature.parts)
+        return self.features if self.learned_features is None else self.learned_features
 
     @cached_property
     def whole(self) -> NDArray[np.intp]:

@@ -156,8 +156,7 @@ def exchanged(task: Task, state: State) -> State:
         excluded = [h for h in state.accepted if excludes(rival, h)]
         enough = state.stable.weight + task.models[rival.type].significance(rival)
         by_volume = all(shared_claims(rival, h)[1] <= SHARED_CLAIMS for h in excluded)
-        ways: list[list[Hypothesis]] = [[], excluded] if by_volume else [excluded]
-        for lost in ways:
+        for lost in ([], excluded) if by_volume and excluded else (excluded,):
             if state.stable.weight + rival.worth - sum(h.worth for h in lost) <= enough:
                 continue
             task.deadline.check()

@@ -1,4 +1,4 @@
-"""The shape of ``interpretation/1``: every object of the document, with its keys, types and bounds.
+"""The shapes of ``interpretation/1`` and ``truth/1``: every object of a document, with its keys, types and bounds.
 
 The classes are types of what ``json`` reads and writes: a document is checked against them once, where it is read
 (``plogic.base.shapes``), and every function that takes one says which. Keys that older documents lack, and those that

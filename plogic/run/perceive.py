@@ -165,7 +165,7 @@ def ranked(delta: Delta, trace: list[StepRow], seconds: float | None = None) -> 
     try:
         ranking = ranked_worlds(delta.situation, LISTED_WORLDS, seconds=seconds)
         lost = delta.situation.reading == "score" and {ranking.marginals[name] for name in accepted} == {0.0}
-        why = "no possible world holds anything that was accepted" * lost
+        why = "no possible world holds anything that was accepted" if lost else ""
     except InconsistentError as error:
         why = str(error)
         if delta.situation.smoothing > 0.0:

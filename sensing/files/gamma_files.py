@@ -30,7 +30,8 @@ MAX_APPEARANCES = 20_000
 MAX_DESCRIPTOR = 1024
 """Bytes that a descriptor may have."""
 _ROOM = 4096
-"""Bytes that an appearance takes at most while its keys are checked; pydantic ends the process that has none left."""
+"""Bytes for an appearance while its keys are checked, twice what one with 64 arms took (2,012, by the maximal resident
+set); pydantic ends the process that has none left."""
 _Number = Annotated[float, Field(strict=True, allow_inf_nan=False)]
 _Text = Annotated[str, Field(strict=True, min_length=1, max_length=200)]
 
@@ -91,10 +92,11 @@ def gamma_from_text(text: str, name: str = "gamma.json", vocabulary: Collection[
 
 def gamma_from_dict(data: object, name: str = "gamma.json", vocabulary: Collection[str] | None = None) -> Gamma:
     """Γ from parsed JSON; raises GammaError with every mistake."""
-    given = data.get("camera") if isinstance(data, dict) else None
+    given, rows = (data.get("camera"), data.get("appearances")) if isinstance(data, dict) else (None, None)
     wrong = camera_mistakes(given) if isinstance(given, dict) else []
     camera = camera_from_dict(given) if isinstance(given, dict) and not wrong else None
-    wrong += _content_mistakes(data, camera, vocabulary)
+    wrong += _content_mistakes(rows, camera, vocabulary)
+    check_room(_ROOM * min(len(rows), MAX_APPEARANCES) if isinstance(rows, list) else 0)
     try:
         model = _GammaModel.model_validate(data)
     except ValidationError as error:
@@ -145,13 +147,8 @@ def _line(loc: tuple[int | str, ...], message: str, value: object) -> str:
     return f"{place + ': ' if place else ''}{message[:1].lower()}{message[1:]}{shown}"
 
 
-def _content_mistakes(data: object, camera: Camera | None, vocabulary: Collection[str] | None) -> list[str]:
-    """Mistakes beyond the document's shape: ids given twice, places outside the image, types the KB has not.
-
-    Raises MemoryError where there is no room to check the shape of so many.
-    """
-    rows = data.get("appearances") if isinstance(data, dict) else None
-    check_room(_ROOM * len(rows) if isinstance(rows, list) else 0)
+def _content_mistakes(rows: object, camera: Camera | None, vocabulary: Collection[str] | None) -> list[str]:
+    """Mistakes beyond the document's shape: ids given twice, places outside the image, types the KB has not."""
     lines: list[str] = []
     first: dict[str, int] = {}
     known, named = frozenset(vocabulary or ()), ", ".join(sorted(vocabulary or ()))

@@ -196,7 +196,9 @@ def _evidence(statement: Any) -> list[tuple[Any, bool]]:  # noqa: ANN401 - a ter
 
 def _seen(grounder: Grounder, goal: Any, *, holds: bool) -> list[tuple[Any, Literal]]:  # noqa: ANN401 - a term of ProbLog's
     found = grounder.instances(goal, or_none=True)
-    return found or [(goal, None)] if holds else [(name, negated(literal)) for name, literal in found]
+    if holds:
+        return found or [(goal, None)]
+    return [(name, negated(literal)) for name, literal in found]
 
 
 def by_problog(request: Request) -> Ground:

@@ -87,11 +87,13 @@ class Search:
     def _open_term(self, selection: Selection) -> Allowed | None:
         """An implicant of the opposite that the selection does not contradict; None if it entails what is wanted."""
         contradicted = reduce(or_, (self.against.get(item, 0) for item in selection.items()), 0)
-        if (first := (~contradicted & (contradicted + 1)).bit_length() - 1) < len(self.terms):
+        first = (~contradicted & (contradicted + 1)).bit_length() - 1  # the lowest bit that is not set
+        if first < len(self.terms):
             return self.terms[first]
-        if (term := self.cone.counterexample(fixed(selection), not self.wanted)) is not None:
+        term = self.cone.counterexample(fixed(selection), not self.wanted)
+        if term is not None:
             for item in ((choice, head) for choice, allowed in term.items() for head in choice.domain - allowed):
-                self.against[item] = self.against.get(item, 0) | 1 << first
+                self.against[item] = self.against.get(item, 0) | 1 << len(self.terms)
             self.terms.append(term)
         return term
 

@@ -67,11 +67,8 @@ def _reply(ground: Ground, answers: list[list[tuple[str, Any]]], names: Names | 
         nodes[alternative.variables[0] - 1] = choice
     if [] in nodes:
         return {"outside": "a choice without a probability is used"}
-    return {
-        "nodes": nodes,
-        "answers": [[(shown, literal) for shown, (literal,) in goal] for goal in answers],
-        "given": list(ground.observed),
-    }
+    found = [[(shown, literal) for shown, (literal,) in goal] for goal in answers]
+    return {"nodes": nodes, "answers": found, "given": list(ground.observed)}
 
 
 def _choice(alternative: Alternative, names: Names | None) -> list[Any]:
@@ -84,7 +81,8 @@ def _choice(alternative: Alternative, names: Names | None) -> list[Any]:
 def _label(argument: Any, names: Names | None) -> list[str]:  # noqa: ANN401 - a term of ProbLog's
     """The labels of ``h1`` or of ``h1/f1``."""
     parts = argument.args if str(argument.functor).strip("'") == "/" and argument.arity == 2 else [argument]
-    return [str(part) if names is None else names.labels.get(str(part), str(part)) for part in parts]
+    labels = {} if names is None else names.labels
+    return [labels.get(str(part), str(part)) for part in parts]
 
 
 def _spoken(statements: Iterable[Any], outside: frozenset[str]) -> str | None:
