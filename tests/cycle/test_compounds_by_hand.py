@@ -80,6 +80,18 @@ def test_one_part_is_enough_and_no_datum_of_another_is_noise(lost):
     assert noise == 0
 
 
+def test_in_the_posterior_it_is_missed_once_and_not_beside_a_part_that_is_found():
+    """As if it had only the parts that are detected; and one without any is a feature that is missed."""
+    names = tuple(f"d0/{part}" for part in PARTS)
+    none, plain = found(THREE, names, "posterior")[0], found((), ("d0",), "posterior")[0]
+    two, whole = found(THREE, ("d0/left",), "posterior")[0], found(THREE[1:], (), "posterior")[0]
+    assert none["log_likelihood_ratio"] == pytest.approx(plain["log_likelihood_ratio"], abs=1e-9)
+    assert two["log_likelihood_ratio"] == pytest.approx(whole["log_likelihood_ratio"], abs=1e-9)
+    assert two["probability"] == pytest.approx(whole["probability"], abs=1e-9)
+    (missed,) = [f for f in two["features"] if f["id"] == "d0/left"]
+    assert (missed["hit_rate"], missed["stands_for"]) == (0.0, 0)
+
+
 def test_without_any_of_its_parts_it_is_missed_once():
     row, _ = found(THREE, tuple(f"d0/{part}" for part in PARTS))
     assert row["support"]["dot"] == {

@@ -151,7 +151,8 @@ def hit_rates(posed: Hypothesis, kb: KnowledgeBase, hidden: Mask | None = None) 
     """
     if posed.hit is not None:
         return np.clip(posed.hit * clarities(posed, hidden), LEAST_HIT, MOST_HIT)
-    return np.array([kb.rates.hit.get(feature.type, 0.8) for feature in posed.object_type.seen_features])
+    rates = np.array([kb.rates.hit.get(feature.type, 0.8) for feature in posed.object_type.seen_features])
+    return np.where(posed.stands | posed.detected, rates, 0.0)  # a compound is missed once, and not with any part found
 
 
 CLEAR = 8.0
