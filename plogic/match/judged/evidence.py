@@ -147,12 +147,13 @@ def match_density(posed: Hypothesis, kb: KnowledgeBase) -> Floats:
 def hit_rates(posed: Hypothesis, kb: KnowledgeBase, hidden: Mask | None = None) -> Floats:
     """h_F (F,) of each feature.
 
-    Of a learned type the measured rates, times the share of them that holds in this image (``clarity``).
+    Of a learned type the measured rates, times the share of them that holds in this image (``clarity``). Of one by hand
+    0 for the part of a compound that another part stands for and that was not found: a compound is missed once.
     """
     if posed.hit is not None:
         return np.clip(posed.hit * clarities(posed, hidden), LEAST_HIT, MOST_HIT)
-    rates = np.array([kb.rates.hit.get(feature.type, 0.8) for feature in posed.object_type.seen_features])
-    return np.where(posed.stands | posed.detected, rates, 0.0)  # a compound is missed once, and not with any part found
+    own = [kb.rates.hit.get(feature.type, 0.8) for feature in posed.object_type.seen_features]
+    return np.where(posed.stands | posed.detected, own, 0.0)
 
 
 CLEAR = 8.0

@@ -230,8 +230,7 @@ def _add_block(tables: Tables, cast: Cast, seen: Seen, block: tuple[str, ...]) -
     for x, y in combinations(block, 2):
         if (x, y) in seen.scene.apart:
             allowed &= ~(present[x] & present[y])
-    size = 2 ** len(block)
-    shares = normalised(weight.reshape(-1, size), allowed.reshape(-1, size)).ravel()
+    shares = normalised(*(row.reshape(-1, 2 ** len(block)) for row in (weight, allowed))).ravel()
     logs = np.full(len(shares), IMPOSSIBLE)
     logs[shares > 0] = np.log(shares[shares > 0])
     tables.add_bits(_literals(cast, names), logs)
