@@ -17,7 +17,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from benchmarks.occlusion.bodies import CAMERA
-from benchmarks.occlusion.models import possible_triples
+from geometry.visibility.composition import possible_triples
 from benchmarks.occlusion.neighbours import neighbours
 from benchmarks.occlusion.oracle import FINE, raster_relation
 from benchmarks.occlusion.pairs import KINDS, pairs

@@ -4,7 +4,7 @@ from pathlib import Path
 
 import pytest
 
-from benchmarks.occlusion.models import possible_triples
+from geometry.visibility.composition import possible_triples
 from benchmarks.occlusion.neighbours import neighbours
 from benchmarks.occlusion.page import LINES_FILE, lines, page
 from benchmarks.occlusion.tables import composition, counts_table, relations_table, sign
