@@ -30,6 +30,7 @@ from plogic.face.shown.options import (
     SMOOTHING,
     SOURCE,
     TRUST,
+    WITHHOLD,
     Asking,
     Number,
     Perceiving,
@@ -114,6 +115,7 @@ def perceive(inputs: tuple[str, ...], kb_folder: str, **options: Any) -> None:
 @click.option("-n", "number", type=click.IntRange(1), default=10, show_default=True)
 @GIVEN
 @RULES
+@WITHHOLD
 @READING
 @DEADLINE
 @TRUST
@@ -133,6 +135,7 @@ def worlds(source: str, number: int, given: tuple[str, ...], as_json: bool, **op
 @click.argument("goal", required=False)
 @GIVEN
 @RULES
+@WITHHOLD
 @READING
 @DEADLINE
 @TRUST
@@ -155,6 +158,7 @@ def query(source: str, goal: str | None, given: tuple[str, ...], as_json: bool, 
     "-n", "number", type=click.IntRange(1), help="Explanations of each kind (default: 5; of present(h), a summary)."
 )
 @RULES
+@WITHHOLD
 @READING
 @TRUST
 @AS_JSON
@@ -180,13 +184,14 @@ def shell(source: str, **options: Any) -> None:
 
 @cli.command()
 @INTERPRETATION
+@WITHHOLD
 @READING
 @AS_JSON
-def program(interpretation: str, reading: Any, as_json: bool) -> None:
+def program(interpretation: str, withhold: tuple[str, ...], reading: Any, as_json: bool) -> None:
     """Print the ProbLog program: it runs unchanged in a stock `problog`, with the same numbers."""
     from plogic.face.commands.program import program_command
 
-    emit(program_command(interpretation, reading, as_json=as_json))
+    emit(program_command(interpretation, reading, withhold, as_json=as_json))
 
 
 @cli.command()

@@ -7,9 +7,9 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from benchmarks.occlusion.bench import ARRANGED
-from geometry.visibility.composition import possible_triples
 from benchmarks.occlusion.tables import composition, composition_lines, counts_table, relations_table, sign
 from benchmarks.occlusion.witness import arrangements, triples
+from geometry.visibility.composition import possible_triples
 from geometry.visibility.roc import ROC20
 
 if TYPE_CHECKING:

@@ -1,1 +1,1 @@
-"""Hypotheses whose pose is not known: what detections say of how they occlude, and are occluded (§8, last paragraph)."""
+"""Hypotheses whose pose is not known: how detections tell that they stand to others (§8, last paragraph)."""

@@ -1,8 +1,8 @@
 """From poses drawn from the prior to the posterior's, and how much of the prior's mass the reports leave.
 
 Sequential Monte Carlo (Del Moral, Doucet, Jasra 2006): the reports are let in by and by, as a power of their
-likelihood that rises from 0 to 1; after each step poses are drawn anew by their weights and moved a little, so that what
-fits is refined, as far as the prior allows.
+likelihood that rises from 0 to 1; after each step poses are drawn anew by their weights and moved a little, so that
+what fits is refined, as far as the prior allows.
 """
 
 from typing import NamedTuple
@@ -22,7 +22,7 @@ STEPS = 12
 FRESH = 0.5
 """Effective share of the poses that a step keeps."""
 TURN, SHIFT, DEPTH = 0.5, 0.25, 0.25
-"""Largest moves: radians, radii of the body across the screen, logarithm of the depth; a pose moves by 1 to 1/30 of them."""
+"""Largest moves: radians, radii of the body across the screen, log depth; a pose moves by 1 to 1/30 of them."""
 
 
 class Annealed(NamedTuple):
@@ -72,7 +72,7 @@ def _effective(logs: Floats) -> float:
 
 
 def log_sum(logs: Floats) -> float:
-    """ln Σ exp, of which one at least is finite."""
+    """Ln Σ exp, of which one at least is finite."""
     return float(logs.max() + np.log(np.exp(logs - logs.max()).sum()))
 
 

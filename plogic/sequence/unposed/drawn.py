@@ -45,7 +45,10 @@ class At(NamedTuple):
 
 @dataclass(frozen=True, eq=False)
 class Prior:
-    """Where a type may be beside ``others``, ``aspect`` (F,) being the features that are in a lobe and not Behind their own host."""
+    """Where a type may be beside ``others``.
+
+    ``aspect`` (F,): the features that are in a lobe and not Behind their own host, the side that it shows.
+    """
 
     cloud: Cloud
     aspect: Mask
@@ -109,7 +112,7 @@ class Prior:
         """Poses near others and poses apart, and the share of those near."""
         camera = self.camera
         uv = rng.uniform(-0.5, [camera.width - 0.5, camera.height - 0.5], (PLACES, 2))
-        z = np.exp(rng.uniform(*np.log(self.depth), PLACES))
+        z = np.exp(rng.uniform(np.log(self.depth[0]), np.log(self.depth[1]), PLACES))
         middle = np.concatenate([camera.normalised(uv), np.ones((PLACES, 1))], axis=1) * z[:, None]
         near = self.near(middle)
         return self._at(middle[near][:NEAR], rng), self._at(middle[~near][:APART], rng), float(near.mean())

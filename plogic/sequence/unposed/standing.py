@@ -27,7 +27,7 @@ POINTS = 60
 
 
 class Reports(NamedTuple):
-    """Of F features: which were ``detected``, how surely each is where it can be seen, and by chance where it cannot."""
+    """Of F features: which were ``detected``, and how surely each is, where it is seen and, by chance, where not."""
 
     detected: Mask
     hit: Floats
@@ -48,12 +48,13 @@ def _log(p: Floats, detected: Mask) -> Floats:
 class Stander:
     """``at`` (F, 3) m, camera frame: its features that are expected where the body without a pose hides none.
 
-    ``reports`` of them.
+    ``reports`` of them. ``rival``: neither hides anything of the other (§4.1).
     """
 
     body: Body
     at: Floats
     reports: Reports
+    rival: bool = False
 
 
 @dataclass(frozen=True, eq=False)
@@ -85,7 +86,7 @@ class Target:
         logs = (inside != self.inside).sum(axis=1) * UNLIKE
         logs += self.reports.log_likelihood(_behind_others(self.standers, points[:, self.inside]))
         for one in self.standers:
-            if self.opaque:
+            if self.opaque and not one.rival:
                 logs += one.reports.log_likelihood(_hides(cloud, poses, at.middle, one.at))
             logs[_shares_volume(cloud, poses, at.middle, one.body)] = -np.inf
         return logs
@@ -94,7 +95,7 @@ class Target:
 def _behind_others(standers: tuple[Stander, ...], points: Floats) -> Mask:
     """(N, F) which of the points (N, F, 3) m an opaque body is met before."""
     hidden = np.zeros(points.shape[:2], bool)
-    for body in (one.body for one in standers):
+    for body in (one.body for one in standers if not one.rival):
         rays = body.cloud.rays
         if body.opaque and rays is not None:
             n, f = np.nonzero(~hidden & _meets_ball(body.middle, body.cloud.radius, points))
@@ -148,7 +149,7 @@ def _surface(cloud: Cloud) -> Floats:
 
 
 def _inside(cloud: Cloud, points: Floats) -> Mask:
-    """(N,) whether a ray from the places (N, 3) m leaves the closed, outward surface by the facet that it meets first."""
+    """(N,) whether a ray from the places (N, 3) m leaves the closed surface by the facet that it meets first."""
     rays = cloud.rays
     inside = np.asarray(((points - cloud.middle) ** 2).sum(axis=1) < cloud.radius**2)
     if rays is not None and inside.any():
