@@ -51,7 +51,11 @@ def cli() -> None:
 
 @cli.command()
 @click.option(
-    "-o", "--out", type=click.Path(path_type=Path), show_default="out/demo, out/look-again or out/paper", help="Folder to write."
+    "-o",
+    "--out",
+    type=click.Path(path_type=Path),
+    show_default="out/demo, out/look-again or out/paper",
+    help="Folder to write.",
 )
 @click.option("--seed", type=SEED, default=0, show_default=True)
 @click.option("--reading", type=READINGS, show_default="score, or posterior with --look-again")

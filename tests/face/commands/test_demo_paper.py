@@ -47,7 +47,12 @@ def test_the_cells_and_ev_are_the_papers(shown, name):
 def test_the_text_has_the_four_rows_beside_the_printed_values(tmp_path):
     done = CliRunner().invoke(cli, ["demo", "--paper", "-o", str(tmp_path / "out")], catch_exceptions=False)
     lines = [line.split() for line in done.stdout.splitlines() if line.startswith((" T1 ", " T2 "))]
-    assert [line[-2:] for line in lines] == [["-0.508", "-0.51"], ["0.582", "0.58"], ["1.000", "1.00"], ["0.941", "0.94"]]
+    assert [line[-2:] for line in lines] == [
+        ["-0.508", "-0.51"],
+        ["0.582", "0.58"],
+        ["1.000", "1.00"],
+        ["0.941", "0.94"],
+    ]
 
 
 def test_every_mode_is_told_by_measures_and_the_figure_has_four_panels(shown):
