@@ -1,7 +1,7 @@
 """``plogic demo --paper``: Table 1 (§5.6) and figure 5 of the paper, counted from poses, lobes, rays and a Γ.
 
-The knowledge base ``paper`` holds the two towers, with as many features as the rows' sums say, its folder ``figure_5`` a
-Γ and three poses. No count is stored: Expected and Detected are computed as in any interpretation (D7, D8).
+The knowledge base ``paper`` holds the two towers, with as many features as the rows' sums say, its folder ``figure_5``
+a Γ and three poses. No count is stored: Expected and Detected are computed as in any interpretation (D7, D8).
 """
 
 import json
@@ -9,7 +9,7 @@ from collections import Counter
 from collections.abc import Callable, Mapping
 from dataclasses import asdict
 from pathlib import Path
-from typing import Any
+from typing import cast
 
 import cv2
 import numpy as np
@@ -22,7 +22,7 @@ from plogic.cycle.state import Cycle, Trace
 from plogic.face.commands.demo import check_folder, write_into
 from plogic.face.shown.overlay import overlay
 from plogic.face.shown.tables import plain_table, text_of_table, worlds
-from plogic.facts.document import Interpretation
+from plogic.facts.document import FeatureRow, HypothesisRow, Interpretation
 from plogic.facts.hypothesis import Hypothesis
 from plogic.facts.interpretation import text_of
 from plogic.match.gamma.data import data_of
@@ -108,7 +108,7 @@ def _document(perceiver: Perceiver, gamma: Gamma, posed: Mapping[str, Hypothesis
     accepted = tuple(
         posed[name].told(status="accepted", why="as in the paper") for name in ("T1 correct", "T2 correct")
     )
-    rival = posed["T2 distorted"].told(status="rival", why="POSIT converged to it from wrong matches")
+    rival = posed["T2 distorted"].told(status="rival", why="a pose from wrong matches")
     cycle = Cycle(accepted, (rival,), (), (), Trace())
     delta, ranking = ranked(delta_of(cycle, data, kb, perceiver.dv, Options(reconsider="drop")), [])
     return document_of(kb, gamma, delta, (), [], ranking, None)
@@ -116,32 +116,29 @@ def _document(perceiver: Perceiver, gamma: Gamma, posed: Mapping[str, Hypothesis
 
 def _figure(document: Interpretation, posed: Mapping[str, Hypothesis], waived: Mask) -> NDArray[np.uint8]:
     """Figure 5: the four panels, two by two; of T2 reconsidered the ``waived`` features (F,) are left out."""
-    t1, t2, distorted = (
-        _drawn(row, posed[name])
-        for row, name in zip(document["hypotheses"], ("T1 correct", "T2 correct", "T2 distorted"), strict=True)
-    )
-    again = _drawn(document["hypotheses"][1], posed["T2 correct"], waived)
-    shown = [], [distorted], [t1, t2], [t1, again]
+    found = cast("list[HypothesisRow]", document["hypotheses"])
+    names = "T1 correct", "T2 correct", "T2 distorted"
+    t1, t2, distorted = (_drawn(row, posed[name]) for row, name in zip(found, names, strict=True))
+    again = _drawn(found[1], posed["T2 correct"], waived)
+    shown: list[list[HypothesisRow]] = [[], [distorted], [t1, t2], [t1, again]]
     panels = [_panel(title, {**document, "hypotheses": rows}) for title, rows in zip(PANELS, shown, strict=True)]
     high = max(panel.shape[0] for panel in panels)
-    panels = [
-        cv2.copyMakeBorder(panel, 0, high - panel.shape[0], 6, 6, cv2.BORDER_CONSTANT, value=WHITE) for panel in panels
-    ]
+    panels = [np.pad(p, ((0, high - len(p)), (6, 6), (0, 0)), constant_values=255) for p in panels]
     return np.vstack([np.hstack(panels[:2]), np.hstack(panels[2:])])
 
 
-def _drawn(row: Any, posed: Hypothesis, waived: Mask | None = None) -> Any:
+def _drawn(row: HypothesisRow, posed: Hypothesis, waived: Mask | None = None) -> HypothesisRow:
     """A hypothesis' row as it is alone: its cases are those without any other object."""
     mask = np.zeros(len(posed.uv), bool) if waived is None else waived
     cases = zip(posed.candidate.tolist(), posed.detected.tolist(), (posed.in_image & ~mask).tolist(), strict=True)
-    features = [
+    features: list[FeatureRow] = [
         {**f, "expected": e, "detected": d, "case": case_of(expected=e, detected=d) if counts else None}
         for f, (e, d, counts) in zip(row["features"], cases, strict=True)
     ]
     return {**row, "status": "accepted", "features": features}
 
 
-def _panel(title: str, document: Any) -> NDArray[np.uint8]:
+def _panel(title: str, document: Interpretation) -> NDArray[np.uint8]:
     picture = overlay(document, None)
     head = np.full((40, picture.shape[1], 3), WHITE, np.uint8)
     cv2.putText(head, title, (8, 28), cv2.FONT_HERSHEY_SIMPLEX, 0.8, (30, 30, 30), 1, cv2.LINE_AA)
