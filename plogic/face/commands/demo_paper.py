@@ -22,7 +22,7 @@ from plogic.cycle.state import Cycle, Trace
 from plogic.face.commands.demo import check_folder, write_into
 from plogic.face.shown.overlay import overlay
 from plogic.face.shown.tables import plain_table, text_of_table, worlds
-from plogic.facts.document import FeatureRow, HypothesisRow, Interpretation
+from plogic.facts.document import FeatureRow, HypothesisRow, Interpretation, RejectedRow
 from plogic.facts.hypothesis import Hypothesis
 from plogic.facts.interpretation import text_of
 from plogic.match.gamma.data import data_of
@@ -120,7 +120,7 @@ def _figure(document: Interpretation, posed: Mapping[str, Hypothesis], waived: M
     names = "T1 correct", "T2 correct", "T2 distorted"
     t1, t2, distorted = (_drawn(row, posed[name]) for row, name in zip(found, names, strict=True))
     again = _drawn(found[1], posed["T2 correct"], waived)
-    shown: list[list[HypothesisRow]] = [[], [distorted], [t1, t2], [t1, again]]
+    shown: list[list[HypothesisRow | RejectedRow]] = [[], [distorted], [t1, t2], [t1, again]]
     panels = [_panel(title, {**document, "hypotheses": rows}) for title, rows in zip(PANELS, shown, strict=True)]
     high = max(panel.shape[0] for panel in panels)
     panels = [np.pad(p, ((0, high - len(p)), (6, 6), (0, 0)), constant_values=255) for p in panels]
