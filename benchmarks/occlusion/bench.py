@@ -57,7 +57,8 @@ Pairs of each kind, in ideal pixels of a 640 x 480 camera, f = 600 px; tolerance
 known: the relation is decided by how the pair was made. rays: decided by 80 x 80 rays over both, or, where these say otherwise than we
 do, by 400 x 400; undecided: it hangs on fewer than six rays, on what lies within two rays of an edge, or on the tolerance (at half or twice of
 it we say otherwise), and is left out. withheld: pairs of which one pose is withheld, by the true relation; first: it is the most
-probable by what is detected; cells: hiding changes so many; reliability: of the most probable relations. us: microseconds of the processor a pair, median and 95 %, its two outlines given; outlines: of drawing."""
+probable by what is detected; cells: hiding changes so many; reliability: of the most probable relations.
+us: microseconds of the processor a pair, median and 95 %, its two outlines given; outlines: of drawing."""
 
 
 @dataclass(frozen=True)
