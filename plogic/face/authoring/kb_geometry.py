@@ -67,7 +67,9 @@ def _parts(kind: ObjectType) -> Iterator[dict[str, Any]]:
 
 def _faces(kind: ObjectType) -> Iterator[dict[str, Any]]:
     surface = kind.surface
-    for face in () if surface is None or surface.faults else faces(surface):
+    if surface is None or surface.faults:
+        return
+    for face in faces(surface):
         places = surface.vertices[list(face.loop)]
         across = np.cross(places[1:-1] - places[0], places[2:] - places[0]).sum(axis=0)
         normal = [round(float(value) + 0.0, 6) for value in face.normal]
