@@ -67,6 +67,7 @@ def situation_of(document: Interpretation) -> Situation:
         ),
         priors=dict(document["priors"]),
         dv=dict(document["measures"]["dv"]),
+        dv_over=document["measures"].get("dv_over", "types"),
         rank=dict(document["measures"]["rank"]),
         rules=document["rules"],
         stopped=stopped_in(document),

@@ -36,10 +36,16 @@ def check_command(folder: str, *, as_json: bool) -> str:
     return "\n".join(lines)
 
 
-def show_command(folder: str, name: str | None = None, *, as_json: bool) -> str:
-    """The trees, of one type where it is named; the counts and dv, which are about all types."""
+def show_command(folder: str, name: str | None = None, *, geometry: bool = False, as_json: bool) -> str:
+    """The trees, of one type where it is named; the counts and dv, which are about all types. Or the ``geometry``."""
     kb = kb_of(folder)
     shown = kb if name is None else replace(kb, types=(type_of(kb, name),))
+    if geometry:
+        from plogic.face.authoring.kb_geometry import geometry_rows, geometry_text
+
+        if as_json:
+            return json.dumps({"format": "kb_geometry/1", "kb": kb.name, "types": geometry_rows(kb, shown.types)})
+        return geometry_text(kb, shown.types)
     if as_json:
         return json.dumps({**tree_document(shown), "format": "kb_show/1"})
     return tree_text(shown) + "\n\n" + measures_command(folder, None, as_json=False)
