@@ -7,19 +7,26 @@ from typing import TYPE_CHECKING, Any, Literal
 
 from kb.files.schema import json_schema
 from kb.shown.show import check_report, tree_document, tree_text
-from plogic.base.errors import InputError
+from plogic.base.errors import InconsistentError, InputError
 from plogic.face.shown.options import written
 from plogic.face.shown.tables import plain_table
 from plogic.measures.distinctiveness import distinctiveness, instance_counts, probability_of_distinctiveness
 from plogic.run.sources import kb_of
+from plogic.scene.worlds.blame import blamed_without_scene
 
 if TYPE_CHECKING:
     from kb.clouds.cloud import KnowledgeBase, ObjectType
 
 
 def check_command(folder: str, *, as_json: bool) -> str:
-    """Read the KB; every mistake is raised at once. The text says what was read, and warns of what matters."""
+    """Read the KB; every mistake is raised at once. The text says what was read, and warns of what matters.
+
+    Raises InconsistentError too, where the author's rules leave no world, whatever is seen.
+    """
     kb = kb_of(folder)
+    excluded = blamed_without_scene(kb.rules)
+    if excluded is not None:
+        raise InconsistentError(f"{folder}: {excluded}, whatever is seen")
     lines = check_report(kb)
     if as_json:
         warnings = [line.removeprefix("warning: ") for line in lines if line.startswith("warning: ")]
