@@ -22,7 +22,7 @@ from plogic.logic.served.engine import Text
 from plogic.scene.readings.unfinished import notice
 from plogic.scene.readings.world_weights import group_shares, lifted_smoothing, unmatched
 from plogic.scene.text import fact_layers as facts
-from plogic.scene.text.evidence_layer import evidence_choices, evidence_facts
+from plogic.scene.text.evidence_layer import evidence_choices, evidence_facts, evidence_rules
 from plogic.scene.text.layout import (
     Writer,
     accepted_given,
@@ -189,6 +189,7 @@ def _lines(w: Writer) -> Iterator[str]:
     for block in rules(situation, smoothed=lifted_smoothing(w.scene) > 0):
         yield from (block, "")
     yield from ("% ---- The vocabulary of queries", *vocabulary_rules(situation.reading))
+    yield from evidence_rules(w)
     clauses = author_rules(situation.rules, w.names, defined())
     if clauses:
         yield from ("", "% ---- The rules of the knowledge base's author", *clauses)
