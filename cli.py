@@ -179,14 +179,15 @@ def shell(source: str, **options: Any) -> None:
 
 
 @cli.command()
-@INTERPRETATION
+@click.argument("interpretation", metavar="[INTERPRETATION]", required=False)
+@click.option("--kb", "kb_folder", help="Folder of a knowledge base, or a shipped one: print Σ alone.")
 @READING
 @AS_JSON
-def program(interpretation: str, reading: Any, as_json: bool) -> None:
-    """Print the ProbLog program: it runs unchanged in a stock `problog`, with the same numbers."""
+def program(interpretation: str | None, kb_folder: str | None, reading: Any, as_json: bool) -> None:
+    """Print the ProbLog program of an interpretation or a KB: it runs unchanged in a stock `problog`."""
     from plogic.face.commands.program import program_command
 
-    emit(program_command(interpretation, reading, as_json=as_json))
+    emit(program_command(interpretation, kb_folder, reading, as_json=as_json))
 
 
 @cli.command()
