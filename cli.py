@@ -51,17 +51,28 @@ def cli() -> None:
 
 @cli.command()
 @click.option(
-    "-o", "--out", type=click.Path(path_type=Path), show_default="out/demo, or out/look-again", help="Folder to write."
+    "-o",
+    "--out",
+    type=click.Path(path_type=Path),
+    show_default="out/demo, out/look-again or out/paper",
+    help="Folder to write.",
 )
 @click.option("--seed", type=SEED, default=0, show_default=True)
 @click.option("--reading", type=READINGS, show_default="score, or posterior with --look-again")
 @click.option(
     "--look-again", is_flag=True, help="Two worlds near even, and the second view that settles it (posterior reading)."
 )
+@click.option("--paper", is_flag=True, help="Table 1 and figure 5 of the paper, counted from a Γ and three poses.")
 @AS_JSON
-def demo(out: Path | None, seed: int, reading: Any, look_again: bool, as_json: bool) -> None:
+def demo(out: Path | None, seed: int, reading: Any, look_again: bool, paper: bool, as_json: bool) -> None:
     """Show the two towers: from a simulated camera's pixels to ranked worlds, a picture and a page."""
-    if look_again:
+    if paper:
+        from plogic.face.commands.demo_paper import run_paper
+
+        if look_again or seed or reading:
+            raise click.UsageError("--paper: one Γ and three poses, in both modes: leave the other options out")
+        emit(run_paper(out or Path("out/paper"), say=say, as_json=as_json))
+    elif look_again:
         from plogic.face.commands.demo import run_look_again
 
         if reading == "score":

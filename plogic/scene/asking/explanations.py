@@ -12,7 +12,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
-from plogic.base.errors import LimitError
+from plogic.base.errors import LimitError, OutsideError
 from plogic.facts.situation import Situation
 from plogic.logic.served.engine import Limits, ask, request_of
 from plogic.scene.asking.query import Subject, subject_text
@@ -161,9 +161,12 @@ def present(subject: Subject, goal: str, *, given: Sequence[str] = ()) -> Accoun
     from plogic.scene.asking.presence import presence
 
     scene = LiveScene(subject)
-    for observed in given:
-        scene.observe(observed)
-    low, high = scene.marginals()[name]
+    try:
+        for observed in given:
+            scene.observe(observed)
+        low, high = scene.marginals()[name]
+    except OutsideError:
+        return None
     account = Account(goal, (low + high) / 2, (), (), None)
     if high == 0:
         return account

@@ -9,7 +9,7 @@ from plogic.facts.situation import Situation, Stopped, names_of
 from plogic.logic.safety.atoms import Names
 from plogic.logic.served.engine import Answer, Limits, Text, run, run_until, unknown
 from plogic.scene.readings.unfinished import opened
-from plogic.scene.text.program_text import program_text
+from plogic.scene.text.program_text import program_of
 
 Subject = Situation | Text
 """What is asked: an interpretation's situation, or a program of a user's own."""
@@ -106,4 +106,4 @@ def subject_text(subject: Subject) -> tuple[Text, Names | None]:
     """The program of what is asked, and its names (a program of a user's own has none)."""
     if isinstance(subject, Text):
         return subject, None
-    return Text(program_text(subject), own=subject.own), names_of(subject)
+    return program_of(subject), names_of(subject)

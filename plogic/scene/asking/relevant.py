@@ -12,7 +12,8 @@ from typing import Any
 from plogic.facts.situation import Situation
 from plogic.facts.spatial import linked
 from plogic.facts.vocabulary import VOCABULARY
-from plogic.logic.safety.author import load_problog
+from plogic.logic.safety.author import load_problog, observes
+from plogic.scene.text.program_text import added_to
 
 WHOSE = {
     "cause/3": (1,),
@@ -29,8 +30,12 @@ WHOSE = {
 def relevant(situation: Situation, goals: Sequence[str]) -> Situation:
     """The part that the goals are about.
 
-    All of it where a goal is about all, or calls a rule of the author's, or cannot be read.
+    All of it where a goal is about all, or calls a rule of the author's, or cannot be read, and where the author
+    observes or constrains.
     """
+    added = added_to(situation)
+    if added is not None and any(observes(piece.text, piece.file) for piece in added.pieces()):
+        return situation
     found = [_named(goal, situation) for goal in goals]
     if None in found:
         return situation

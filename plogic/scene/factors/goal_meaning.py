@@ -15,23 +15,23 @@ program itself. Vocabulary:
   ``appearances`` as variables
 """
 
-from collections.abc import Iterable, Iterator, Sequence
-from dataclasses import dataclass
-from typing import Any
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING, Any
 
 from plogic.base.errors import OutsideError
 from plogic.facts.dependence import Scene, dependence
 from plogic.facts.situation import Situation, names_of
 from plogic.inference.gates import And, Formula, Literal, Not, Or
 from plogic.logic.safety.atoms import own_atom, quoted
-from plogic.logic.safety.author import author_rules
+from plogic.logic.safety.author import observes
 from plogic.logic.served.engine import Limits, Text, ask, request_of
-from plogic.scene.factors.scene_graph import SceneGraph
 from plogic.scene.text import fact_layers as facts
 from plogic.scene.text.choices import block_facts
 from plogic.scene.text.layout import Writer, possible_causes
 from plogic.scene.text.measures import cell_facts, measures
 from plogic.scene.text.object_types import object_types
+from plogic.scene.text.program_text import added_to
 from plogic.scene.text.rules import (
     COMMON,
     CONCORDANT,
@@ -42,15 +42,22 @@ from plogic.scene.text.rules import (
     OBJECT_TYPES,
     SUPPORTED,
     VIOLATED,
-    defined,
     fallbacks,
     vocabulary_rules,
 )
+
+if TYPE_CHECKING:
+    from plogic.scene.factors.scene_graph import SceneGraph
 
 Key = int | None
 
 OUTSIDE = ("hit/2", "pick/2", "luck/2", "ev_holds/2", "joint/3", "agrees/1", "excused/1", "drawn/1")
 """Choices that the factor graph has summed out, and what is said in terms of them."""
+LOOKING = (
+    *(f"subquery/{n}" for n in (2, 3, 5)), *(f"subquery_in_scope/{n}" for n in (3, 4, 6)), "possible/1", "clause/2", "clause/3",
+    "create_scope/2", "find_scope/2", "=../2",
+)  # fmt: skip
+"""Built-ins that tell the program itself or its probabilities, or may build such a call."""
 
 CHOSEN = r"""
 hitting(A, H, F) :- match(H, F, A), chosen(A, H/F).
@@ -89,7 +96,6 @@ def _lines(w: Writer) -> Iterator[str]:
         VIOLATED,
     )
     yield from vocabulary_rules(situation.reading)
-    yield from author_rules(situation.rules, w.names, defined())
 
 
 def _score(w: Writer) -> Iterator[str]:
@@ -118,20 +124,23 @@ class Meaning:
 
     ``single``: whether the goal has one answer, possible or not.
 
-    ``given``: keys that the evidence makes true.
+    ``given``: keys that the evidence makes true, the author's included; ``choices``: alternative of the author's →
+    the number and the probability of each choice in it that is spoken of, by the names of the grounder ``by``.
     """
 
     nodes: tuple[tuple[str, Any], ...]
     answers: tuple[tuple[tuple[str, Key], ...], ...]
     single: tuple[bool, ...]
     given: tuple[Key, ...]
+    choices: Mapping[str, Sequence[tuple[int, float]]] = field(default_factory=dict)
+    by: str = ""
 
     @property
     def appearances(self) -> frozenset[str]:
         """Those whose cause is spoken of."""
         return frozenset(arguments[0][0] for kind, arguments in self.nodes if kind == "chosen")
 
-    def formulas(self, keys: Iterable[Key], scene: SceneGraph) -> list[Formula]:
+    def formulas(self, keys: Iterable[Key], scene: "SceneGraph") -> list[Formula]:
         """The formulas of the keys, which share their parts; nodes come before those that use them."""
         made: list[Formula] = []
 
@@ -149,10 +158,12 @@ class Meaning:
         return [of(key) for key in keys]
 
 
-def _literal(kind: str, arguments: list[list[str]], scene: SceneGraph) -> Formula:
-    """``present(h1)`` or ``chosen(a1, h1/roof/apex)``; nothing else is a choice here."""
-    if kind == "present":
-        variable, state = scene.place[arguments[0][0]]
+def _literal(kind: str, arguments: list[Any], scene: "SceneGraph") -> Formula:
+    """``present(h1)``, ``chosen(a1, h1/roof/apex)``, or a choice of the author's."""
+    if kind in ("present", "choice"):
+        variable, state = (
+            scene.place[arguments[0][0]] if kind == "present" else scene.choices[arguments[0], arguments[1]]
+        )
         return Literal(variable, frozenset({state}))
     cause = scene.causes[arguments[0][0]]
     return Literal(cause.variable, frozenset({cause.states.index(tuple(arguments[1]))}))
@@ -173,9 +184,9 @@ def meaning(
     direct = _direct(situation, goals, given) if situation.own is None else None
     if direct is not None:
         return direct
-    text = Text(free_program(situation), own=situation.own)
+    text = Text(free_program(situation), own=added_to(situation))
     request = request_of([text], goals, given, names_of(situation))
-    reply = ask({**request, "task": "formula", "outside": list(OUTSIDE)}, limits or Limits())
+    reply = ask({**request, "task": "formula", "outside": [*OUTSIDE, *LOOKING]}, limits or Limits())
     if "outside" in reply:
         raise OutsideError(reply["outside"], file="goal")
     return Meaning(
@@ -183,7 +194,17 @@ def meaning(
         tuple(tuple((shown, key) for shown, key in found) for found in reply["answers"]),
         tuple(reply["single"]),
         tuple(reply["given"]),
+        {name: tuple((number, share) for number, share in some) for name, some in reply["choices"].items()},
+        reply["by"],
     )
+
+
+def standing(situation: Situation) -> tuple[Meaning, ...]:
+    """What the author, and who asks, observe and constrain; nothing where they do not. Raises as ``meaning``."""
+    added = added_to(situation)
+    own = situation.own is not None  # its mistakes are told when it is read
+    observing = added is not None and any(own or observes(piece.text, piece.file) for piece in added.pieces())
+    return (meaning(situation, ()),) if observing else ()
 
 
 def _direct(situation: Situation, goals: Sequence[str], given: Sequence[str]) -> Meaning | None:

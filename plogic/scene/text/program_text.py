@@ -8,11 +8,13 @@ deterministic. Layer 3, the choices, depends on the reading. Score: the choices 
 """
 
 from collections.abc import Iterator
+from dataclasses import replace
 
 from plogic.facts.dependence import Scene, dependence
 from plogic.facts.sanity import check
 from plogic.facts.situation import Situation, names_of
-from plogic.logic.safety.author import author_rules
+from plogic.logic.safety.author import FILE, author_rules
+from plogic.logic.served.engine import Text
 from plogic.scene.readings.unfinished import notice
 from plogic.scene.readings.world_weights import lifted_smoothing
 from plogic.scene.text import fact_layers as facts
@@ -31,6 +33,19 @@ def program_text(situation: Situation) -> str:
     check(situation)
     scene = Scene(situation)
     return "\n".join(_lines(Writer(scene, dependence(scene), names_of(situation)))).rstrip() + "\n"
+
+
+def program_of(situation: Situation) -> Text:
+    """The same program in pieces, so that mistakes are told where the author wrote them.
+
+    Its own clauses, the author's rules, and those of who asks.
+    """
+    return Text(program_text(replace(situation, rules="")), own=added_to(situation))
+
+
+def added_to(situation: Situation) -> Text | None:
+    """The author's rules and those of who asks; None where there are none."""
+    return Text(situation.rules, FILE, situation.own) if situation.rules.strip() else situation.own
 
 
 def query_lines(situation: Situation) -> str:
