@@ -16,6 +16,7 @@ from plogic.face.shown.options import (
     BOP_IMAGES,
     CAMERA,
     DEADLINE,
+    DV_OVER,
     FIRST_READING,
     GENERATOR,
     GIVEN,
@@ -100,6 +101,7 @@ def demo(out: Path | None, seed: int, reading: Any, look_again: bool, paper: boo
 )
 @FIRST_READING
 @RECONSIDER
+@DV_OVER
 @SMOOTHING
 @GENERATOR
 @BEST_BY

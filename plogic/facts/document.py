@@ -24,7 +24,7 @@ from plogic.facts.fact_rows import (
     Slightly,
     SpaceRow,
 )
-from plogic.facts.situation import Reading, Reconsider, Stopped
+from plogic.facts.situation import DvOver, Reading, Reconsider, Stopped
 
 Case = Literal["A", "B", "C", "D"]
 Status = Literal["accepted", "rival", "open"]
@@ -213,12 +213,19 @@ class DoubtRow(TypedDict):
     why: str
 
 
-class MeasuresRow(TypedDict):
+class SharesRow(TypedDict):
+    """P(dv) by feature type; where dv is over the instances in Δ, that over the types of Σo as well (§5.1)."""
+
+    p_dv: NotRequired[dict[Name, float]]
+    dv_over: NotRequired[DvOver]
+    dv_types: NotRequired[dict[Name, float]]
+
+
+class MeasuresRow(SharesRow):
     """dv by feature type, rank by object type."""
 
     dv: dict[Name, float]
     rank: dict[Name, float]
-    p_dv: NotRequired[dict[Name, float]]
 
 
 class SensingRow(TypedDict):

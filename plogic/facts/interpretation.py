@@ -67,6 +67,7 @@ def situation_of(document: Interpretation) -> Situation:
         ),
         priors=dict(document["priors"]),
         dv=dict(document["measures"]["dv"]),
+        dv_over=document["measures"].get("dv_over", "types"),
         rank=dict(document["measures"]["rank"]),
         types={name: type_of(row) for name, row in document.get("types", {}).items()},
         rules=document["rules"],

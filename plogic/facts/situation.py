@@ -34,6 +34,8 @@ if TYPE_CHECKING:
 
 Reading = Literal["score", "posterior"]
 Reconsider = Literal["to_B", "drop", "reassign"]
+DvOver = Literal["types", "instances"]
+"""What dv is counted over: the types of Σo, or the instances in Δ (§5.1)."""
 
 
 OTHERS = "(others)"
@@ -102,13 +104,14 @@ class Situation:
     those that A4 excludes from one world and those that claim the same appearances; ``exclusive`` is the part of
     ``rivals`` that the constraints of the score reading forbid to be present together (an appearance serves one
     feature, D8). ``priors`` per type (posterior). ``smoothing`` ε replaces p by ε + (1 − 2ε) p in the *score* program's
-    choices (trap c), never in the measures; 0 by default. ``dv`` per feature type and ``rank`` per object type are side
-    tables for queries, ``hit_rates`` per feature type of those of which nothing is expected here. ``relations`` are of
-    whole hypotheses that can be present together, ``part_relations`` of a part of one and a part of another, or the
-    whole of it. ``space`` says where bodies are, and ``types`` what Σo says of object types: they decide no probability
-    of a world. ``gravity`` says who holds whom, which decides some (Σc); None where nobody said that it holds.
-    ``rules`` is the author's ``rules.pl``, ``own`` those of who asks, which no document holds. ``stopped`` says whether
-    more time would have found more; it decides no probability of what was.
+    choices (trap c), never in the measures; 0 by default. ``dv`` per feature type, counted ``dv_over`` types or
+    instances (§5.1), and ``rank`` per object type are side tables for queries, ``hit_rates`` per feature type of those
+    of which nothing is expected here. ``relations`` are of whole hypotheses that can be present together,
+    ``part_relations`` of a part of one and a part of another, or the whole of it. ``space`` says where bodies are, and
+    ``types`` what Σo says of object types: they decide no probability of a world. ``gravity`` says who holds whom,
+    which decides some (Σc); None where nobody said that it holds. ``rules`` is the author's ``rules.pl``, ``own`` those
+    of who asks, which no document holds. ``stopped`` says whether more time would have found more; it decides no
+    probability of what was.
     """
 
     reading: Reading
@@ -125,6 +128,7 @@ class Situation:
     gravity: Gravity | None = None
     priors: dict[str, float] = field(default_factory=dict)
     dv: dict[str, float] = field(default_factory=dict)
+    dv_over: DvOver = "types"
     rank: dict[str, float] = field(default_factory=dict)
     hit_rates: dict[str, float] = field(default_factory=dict)
     smoothing: float = 0.0

@@ -14,6 +14,7 @@ from plogic.base.errors import InconsistentError, InputError
 from plogic.base.jobs import processors
 from plogic.base.remembered import cache_folder
 from plogic.cycle.delta import Delta, Options, delta_of
+from plogic.cycle.judging import over_instances
 from plogic.cycle.perception import Seed, attend, perceive
 from plogic.cycle.state import Cycle, Task
 from plogic.facts.document import Interpretation, StepRow
@@ -125,7 +126,8 @@ class Perceiver:
         self, data: Data, cycle: Cycle, options: Options, clock: Stopwatch
     ) -> tuple[Delta, tuple[Hypothesis, ...], list[StepRow]]:
         with clock.stage("facts"):
-            delta = delta_of(cycle, data, self.kb, self.dv, options, models=self.models)
+            cycle, dv = over_instances(cycle, self.kb) if options.dv_over == "instances" else (cycle, self.dv)
+            delta = delta_of(cycle, data, self.kb, dv, options, models=self.models)
         return delta, cycle.rejected, cycle.trace.document()
 
     def cycle(

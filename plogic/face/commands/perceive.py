@@ -118,7 +118,7 @@ def _side(
 def _chosen(options: Perceiving) -> Options:
     """The options of the cycle; its deadline is counted from now on."""
     end = monotonic() + options.deadline if options.deadline else None
-    return Options(options.reading, options.reconsider, options.smoothing, end)
+    return Options(options.reading, options.reconsider, options.smoothing, end, options.dv_over)
 
 
 def _tell_unchecked(kb: KnowledgeBase, say: Say) -> None:
@@ -214,6 +214,8 @@ def _of_sequence(frames: Sequence[str], options: Perceiving, say: Say, write: Sa
     from plogic.sequence.constancy.sight_lines import View
     from plogic.sequence.views.panorama import Panorama, ahead, panorama_document
 
+    if options.dv_over != "types":
+        raise InputError("--dv-over instances: is of one image; give one INPUT, or leave it out")
     for key in ("report", "picture", "timings"):
         if getattr(options, key):
             raise InputError(f"--{key}: is made of one frame; give one INPUT, or leave it out")

@@ -17,7 +17,7 @@ from plogic.face.session.results import World, Worlds
 from plogic.face.shown.figures import chance, interval, signed
 from plogic.facts import document as rows
 from plogic.facts import interpretation
-from plogic.facts.situation import Reading, Situation
+from plogic.facts.situation import DvOver, Reading, Situation
 from plogic.run.measured import Distinctive, Measure, measured
 from plogic.run.sources import is_program
 from plogic.scene.text.program_text import program_text, query_lines
@@ -49,10 +49,14 @@ FEATURES = (
 
 @dataclass(frozen=True, repr=False)
 class Measures(Rows[Measure]):
-    """A row each hypothesis of Δh, in its order; ``features``: dv of each feature type."""
+    """A row each hypothesis of Δh, in its order; ``features``: dv of each feature type.
+
+    ``dv_over``: what ev is weighed by, dv over the types of Σo or over the instances in Δ (§5.1).
+    """
 
     hypotheses: tuple[Measure, ...]
     features: tuple[Distinctive, ...]
+    dv_over: DvOver = "types"
 
     @property
     def rows(self) -> tuple[Measure, ...]:
@@ -64,7 +68,8 @@ class Measures(Rows[Measure]):
         columns = (Column("hypothesis"), Column("status"), *(Column(title, right=True) for title in TITLES.values()))
         rows = tuple((f"{h.type} {h.id}", h.status, *(_cell(h, name) for name in TITLES)) for h in self.hypotheses)
         kinds = tuple((f.type, chance(f.over_types), chance(f.over_instances)) for f in self.features)
-        return Table("hypotheses", columns, rows), Table("feature types", FEATURES, kinds)
+        over = "" if self.dv_over == "types" else ", ev weighed by dv over the instances in Δ"
+        return Table(f"hypotheses{over}", columns, rows), Table("feature types", FEATURES, kinds)
 
 
 def measures_of(document: rows.Interpretation) -> Measures:
@@ -72,7 +77,7 @@ def measures_of(document: rows.Interpretation) -> Measures:
 
     Raises SituationError where the posterior cannot be computed exactly.
     """
-    return Measures(*measured(document))
+    return Measures(*measured(document), document["measures"].get("dv_over", "types"))
 
 
 def _cell(h: Measure, name: str) -> str:

@@ -9,7 +9,7 @@ from typing import Any
 
 import click
 
-from plogic.facts.situation import Reading, Reconsider
+from plogic.facts.situation import DvOver, Reading, Reconsider
 
 READINGS = click.Choice(["score", "posterior"])
 SEED = click.IntRange(0)
@@ -45,6 +45,13 @@ CAMERA = click.option("--camera", type=click.Path(), help="Camera file of an ima
 FIRST_READING = click.option("--reading", type=READINGS, default="score", show_default=True)
 RECONSIDER = click.option(
     "--reconsider", type=MODES, default="to_B", show_default=True, help="How explained misses count (score reading)."
+)
+DV_OVER = click.option(
+    "--dv-over",
+    type=click.Choice(["types", "instances"]),
+    default="types",
+    show_default=True,
+    help="What dv counts features over: the types of the KB, or the instances in Δ.",
 )
 SMOOTHING = click.option(
     "--smoothing",
@@ -117,6 +124,7 @@ class Perceiving:
     reading: Reading = "score"
     reconsider: Reconsider = "to_B"
     smoothing: float = 0.0
+    dv_over: DvOver = "types"
     generator: str = "index"
     deadline: float | None = None
     report: Path | None = None

@@ -17,15 +17,13 @@ from problog.errors import InconsistentEvidenceError, InvalidValue, ProbLogError
 from problog.formula import LogicDAG, LogicFormula
 from problog.logic import Term
 
+from plogic.base.bounds import SLACK
 from plogic.base.walk import by_key
 
 TRUE = 0
 FALSE = None
 Literal = int | None
 """A variable (positive), its negation (negative), TRUE or FALSE: the keys of ProbLog's formulas."""
-SLACK = 1e-10
-"""An annotated disjunction whose written probabilities come this near to 1 leaves nothing out (ProbLog's own tolerance
-of rounding)."""
 
 
 def negated(literal: Literal) -> Literal:

@@ -114,7 +114,8 @@ def _score(view: View) -> Iterator[str]:
         by_case.setdefault(case_of(expected=bool(cell.expected[0]), detected=bool(cell.detected[0])), []).append(f)
     good = _count([*by_case.get("A", ()), *by_case.get("B", ())])
     p = float(p_ev(view.scene, view.h, view.present)[0])
-    weighted = "dv-weighted: undefined (0/0)" if np.isnan(p) else f"dv-weighted {p:.4g} = P(ev), ev = {2 * p - 1:.3g}"
+    over = "dv-weighted" if view.scene.situation.dv_over == "types" else "weighed by dv over the instances in Δ"
+    weighted = f"{over}: undefined (0/0)" if np.isnan(p) else f"{over} {p:.4g} = P(ev), ev = {2 * p - 1:.3g}"
     yield f"  {good} of {_count(seen)} features in the image are concordant, {weighted}"
     for case, mark in (("A", "for"), ("B", "for"), ("C", "against"), ("D", "against")):
         if case in by_case:

@@ -13,13 +13,12 @@ import math
 from collections.abc import Collection, Iterator, Sequence
 from dataclasses import dataclass, field, replace
 
-from plogic.base.bounds import bounded
+from plogic.base.bounds import SLACK, bounded
 from plogic.base.errors import OutsideError
 from plogic.facts.situation import Situation
 from plogic.facts.spatial import GROUND, Foot, Gravity
 from plogic.inference.gates import And, Formula, Not, Or, observed, with_formulas
 from plogic.inference.graph import FactorGraph
-from plogic.logic.grounding.ground_program import SLACK
 from plogic.scene.factors.goal_meaning import Meaning, standing
 from plogic.scene.factors.posterior_factors import Cause, add_posterior
 from plogic.scene.factors.score_factors import add_score
