@@ -7,7 +7,7 @@ before it is not looked at. The relation of two wholes is in ``relations_of``.
 """
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from itertools import combinations
 from typing import NamedTuple
 
@@ -129,7 +129,7 @@ class Delta:
     """
 
     situation: Situation
-    dv: Mapping[str, float]
+    dv: Mapping[str, float] = field(default_factory=dict)
 
     @property
     def beliefs(self) -> dict[str, Hypothesis]:

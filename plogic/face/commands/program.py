@@ -1,7 +1,7 @@
 """``plogic program``, ``report`` and ``measures``: an interpretation as program text, as a page and as tables."""
 
 import json
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import asdict, replace
 
 from plogic.base.errors import InputError
@@ -14,17 +14,28 @@ from plogic.scene.readings.unfinished import marks, with_notice
 
 
 def program_command(
-    interpretation: str | None, kb: str | None, reading: Reading | None, *, as_json: bool = False
+    interpretation: str | None,
+    kb: str | None,
+    *,
+    reading: Reading | None = None,
+    withhold: Sequence[str] = (),
+    as_json: bool = False,
 ) -> str:
     """The ProbLog text of an interpretation with its queries, or of a knowledge base: Σ alone.
 
-    Raises InputError where both are given, or none.
+    As somebody would write it who does not know the poses that are withheld. Raises InputError where both are given, or
+    none.
     """
     from plogic.scene.text.program_text import program_text, query_lines
+    from plogic.sequence.unposed.reading import withheld
 
     if (interpretation is None) == (kb is None):
         raise InputError("give an interpretation, or --kb KB: the program is of one of them")
-    situation = sigma(kb_of(kb), "score", "to_B") if kb else situation_of(read_interpretation(str(interpretation)))
+    if kb is not None:
+        situation = sigma(kb_of(kb), "score", "to_B")
+    else:
+        document = read_interpretation(str(interpretation))
+        situation = situation_of(withheld(document, withhold) if withhold else document)
     situation = situation if reading is None else replace(situation, reading=reading)
     text = program_text(situation) + "\n" + query_lines(situation)
     told = {"format": "program/1", "reading": situation.reading, "program": text, **marks(situation.stopped)}

@@ -15,7 +15,7 @@ from problog.errors import ProbLogError
 from problog.logic import And, AnnotatedDisjunction, Clause, Constant, Or, Term, Var
 
 from plogic.base.errors import NegativeCycleError, ProgramError
-from plogic.logic.safety.allowlist import LOADERS, META
+from plogic.logic.safety.allowlist import LOADERS, META, SPECIAL_HEADS
 from plogic.logic.safety.atoms import Names
 from plogic.logic.safety.check import Mistake, Source, check_source, heads, is_directive, with_place
 from plogic.logic.safety.mapping import label_of, shown
@@ -42,7 +42,7 @@ def check_added(source: Source, known: frozenset[str]) -> frozenset[str]:
     Raises as ``check_source``. It adds to none of them, but for constraints of others who say the same by them.
     """
     shared = {CONSTRAINT, MAY_FAIL} if UNLAWFUL in known or CONSTRAINT not in known else set[str]()
-    return check_source(source, known - {UNLAWFUL}, (known | {UNLAWFUL}) - shared, mistakes)
+    return check_source(source, known - {UNLAWFUL}, (known | {UNLAWFUL}) - shared - SPECIAL_HEADS, mistakes)
 
 
 def lawful(source: Source, known: frozenset[str]) -> str:
@@ -81,7 +81,7 @@ def only(source: Source, some: Collection[Observation], *, free_of: frozenset[st
     kept = {each.number for each in some if each.file == source.file}
     bound = set[int]() if free_of is None else _bound(source, free_of)
     texts = [
-        str(s) if i in kept or not _observes(s) else f"{heads(s)[0]} :- fail"
+        str(s) if i in kept or not _observes(s) else f"{heads(s)[0]} :- ({s.body}), fail"
         for i, s in enumerate(source.statements)
         if i in kept - bound or (i not in bound and not heads_are(s, EVIDENCE))
     ]

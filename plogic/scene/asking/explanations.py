@@ -10,12 +10,15 @@ Vocabulary:
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from plogic.base.errors import LimitError, OutsideError
 from plogic.facts.situation import Situation
 from plogic.logic.served.engine import Limits, ask, request_of
 from plogic.scene.asking.query import Subject, subject_text
+
+if TYPE_CHECKING:
+    from plogic.scene.asking.live import LiveScene
 
 
 @dataclass(frozen=True)
@@ -171,7 +174,18 @@ def present(subject: Subject, goal: str, *, given: Sequence[str] = ()) -> Accoun
     if high == 0:
         return account
     scene.observe(goal)
-    return replace(account, summary=presence(subject, name, scene.worlds(1).worlds[0].present))
+    told = presence(subject, name, scene.worlds(1).worlds[0].present)
+    return replace(account, summary=(*told, *_constrained(scene, name)))
+
+
+def _constrained(scene: "LiveScene", name: str) -> list[str]:
+    """The author's constraints that speak of a hypothesis, given that it is present."""
+    from plogic.scene.asking.presence import listed
+
+    found = scene.constraints(name)
+    kept = [shown for shown, p in found if p == 0.0]
+    lines = [f"  violates {shown}, which may fail, with probability {p:.4g}" for shown, p in found if p > 0.0]
+    return [*lines, f"  keeps {listed(kept)}"] if kept else lines
 
 
 def _about(subject: Subject, goals: Sequence[str]) -> Subject:

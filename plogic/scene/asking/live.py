@@ -13,10 +13,11 @@ what speaks of choices that the graph has summed out is refused (OutsideError), 
 
 import time
 from collections.abc import Callable, Sequence
+from contextlib import suppress
 from dataclasses import replace
 from typing import NamedTuple
 
-from plogic.base.errors import ProgramError, SituationError
+from plogic.base.errors import ProgramError, SituationError, UnknownPredicateError
 from plogic.facts.hypothesis import Hypothesis
 from plogic.facts.sanity import check
 from plogic.facts.situation import Situation
@@ -24,9 +25,11 @@ from plogic.inference.graph import Beliefs, FactorGraph
 from plogic.inference.marginals import Remembered
 from plogic.logic.served.engine import Answer, Limits, in_order
 from plogic.scene.asking.relevant import restricted
-from plogic.scene.factors.asked_formulas import Asked
+from plogic.scene.factors.asked_formulas import Asked, literals
 from plogic.scene.factors.goal_meaning import Meaning, meaning
 from plogic.scene.factors.scene_graph import SceneGraph, scene_graph
+from plogic.scene.text.program_text import added_to
+from plogic.scene.worlds.blame import blaming
 from plogic.scene.worlds.ranked_worlds import Ranking, listed_worlds, ranking_of, with_joint_causes
 
 Interval = tuple[float, float]
@@ -127,6 +130,24 @@ class LiveScene:
         scene, asked = self._posed(meant, seconds=seconds)
         return answers_of(meant, scene, asked)[0]
 
+    def constraints(self, name: str) -> list[tuple[str, float]]:
+        """P(constraint(N) | evidence) of every constraint of the author's that may speak of a hypothesis."""
+        added = added_to(self.situation)
+        if added is None or not any("constraint" in piece.text for piece in added.pieces()):
+            return []
+        with suppress(UnknownPredicateError):
+            meant = self._meaning("constraint(N)", ())
+            scene, asked = self._posed(meant)
+            formulas = meant.formulas([key for _, key in meant.answers[0]], scene)
+            told = zip((shown for shown, _ in meant.answers[0]), formulas, strict=True)
+            place = scene.place[name][0]
+            return [
+                (shown, sum(asked.probability(formula)) / 2)
+                for shown, formula in told
+                if any(literal.variable == place for literal in literals(formula))
+            ]
+        return []
+
     def _become(
         self,
         situation: Situation,
@@ -152,8 +173,9 @@ class LiveScene:
         return self._meanings[key]
 
     def _posed(self, *goals: Meaning, seconds: float | None = None) -> _Posed:
-        spoken = [*(self._meaning("", (goal,)) for goal in self.given), *goals]
-        return posed(self.situation, spoken, _solver(self._memory, seconds))
+        with blaming(self.situation):
+            spoken = [*(self._meaning("", (goal,)) for goal in self.given), *goals]
+            return posed(self.situation, spoken, _solver(self._memory, seconds))
 
 
 def _solver(memory: Remembered, seconds: float | None) -> Callable[[FactorGraph], Beliefs]:

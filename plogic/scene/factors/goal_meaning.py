@@ -17,17 +17,19 @@ program itself. Vocabulary:
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
+from functools import lru_cache
 from typing import TYPE_CHECKING, Any
 
 from plogic.base.errors import OutsideError
 from plogic.facts.dependence import Scene, dependence
 from plogic.facts.situation import Situation, names_of
 from plogic.inference.gates import And, Formula, Literal, Not, Or
-from plogic.logic.safety.atoms import own_atom, quoted
+from plogic.logic.safety.atoms import Names, own_atom, quoted
 from plogic.logic.safety.author import observes
 from plogic.logic.served.engine import Limits, Text, ask, request_of
 from plogic.scene.text import fact_layers as facts
 from plogic.scene.text.choices import block_facts
+from plogic.scene.text.evidence_layer import evidence_choices, evidence_facts
 from plogic.scene.text.layout import Writer, possible_causes
 from plogic.scene.text.measures import cell_facts, measures
 from plogic.scene.text.object_types import object_types
@@ -84,6 +86,7 @@ def _lines(w: Writer) -> Iterator[str]:
     yield from measures(w)
     yield from facts.geometry(w)
     yield from cell_facts(w)
+    yield from (*evidence_facts(w), *evidence_choices(w))
     yield from ("0.5::" + w.fact("present", h.id) for h in situation.hypotheses)
     yield from _score(w) if score else _posterior(w)
     yield from (f"{s.split('/')[0]}({', '.join('_' * int(s[-1]))}) :- fail." for s in OUTSIDE)
@@ -185,8 +188,16 @@ def meaning(
     if direct is not None:
         return direct
     text = Text(free_program(situation), own=added_to(situation))
-    request = request_of([text], goals, given, names_of(situation))
-    reply = ask({**request, "task": "formula", "outside": [*OUTSIDE, *LOOKING]}, limits or Limits())
+    atoms = tuple(names_of(situation).atoms.items())
+    return _ground(text, atoms, tuple(goals), tuple(given), limits or Limits())
+
+
+@lru_cache(maxsize=8)
+def _ground(
+    text: Text, atoms: tuple[tuple[str, str], ...], goals: tuple[str, ...], given: tuple[str, ...], limits: Limits
+) -> Meaning:
+    request = request_of([text], goals, given, Names.of(dict(atoms)))
+    reply = ask({**request, "task": "formula", "outside": [*OUTSIDE, *LOOKING]}, limits)
     if "outside" in reply:
         raise OutsideError(reply["outside"], file="goal")
     return Meaning(

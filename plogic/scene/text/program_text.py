@@ -19,6 +19,7 @@ from plogic.scene.readings.unfinished import notice
 from plogic.scene.readings.world_weights import lifted_smoothing
 from plogic.scene.text import fact_layers as facts
 from plogic.scene.text.choices import choices, evidence_of_data, rates
+from plogic.scene.text.evidence_layer import evidence_choices, evidence_facts
 from plogic.scene.text.layout import Writer, number, title
 from plogic.scene.text.measures import cell_facts, measures
 from plogic.scene.text.object_types import label_comments, object_types
@@ -97,6 +98,8 @@ def _told(w: Writer) -> Iterator[str]:
     yield from [f"smoothing({number(lifted_smoothing(w.scene))})."] if is_score else rates(w)
     yield from facts.geometry(w)
     yield from cell_facts(w)
+    yield from evidence_facts(w)
     yield from ("", title(3, "The choices"))
     yield from choices(w)
     yield from facts.excuses(w)
+    yield from evidence_choices(w)

@@ -1,7 +1,7 @@
 """Which observations and constraints of the author's leave no world: as few of them as exclude all together (§9.7)."""
 
-from collections.abc import Callable, Sequence
-from contextlib import closing
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import closing, contextmanager
 from dataclasses import replace
 from math import inf
 from typing import TYPE_CHECKING
@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 from plogic.base.errors import InconsistentError, OutsideError
 from plogic.facts.situation import Situation, names_of
 from plogic.inference.marginals import beliefs
-from plogic.logic.safety.author import FILE, load_problog
+from plogic.logic.safety.author import FILE, load_problog, observes
 from plogic.logic.served.engine import Limits, Process, Text, run, through
 from plogic.scene.factors.scene_graph import scene_graph
 from plogic.scene.text.program_text import added_to, program_of
@@ -18,6 +18,24 @@ from plogic.scene.text.rules import defined
 if TYPE_CHECKING:
     from plogic.logic.safety.added import Observation
     from plogic.logic.safety.check import Source
+
+
+class BlamedError(InconsistentError):
+    """The author's observations leave no world; it is said which."""
+
+
+@contextmanager
+def blaming(situation: Situation) -> Iterator[None]:
+    """Within it, say which observations of the author's leave no world, where that is their doing."""
+    try:
+        yield
+    except BlamedError:
+        raise
+    except InconsistentError as error:
+        reason = blamed(situation)
+        if reason is None:
+            raise
+        raise BlamedError(reason) from error
 
 
 def blamed(situation: Situation) -> str | None:
@@ -39,6 +57,8 @@ def blamed(situation: Situation) -> str | None:
 
 def blamed_without_scene(rules: str) -> str | None:
     """The same of an author's rules as far as they say nothing of any scene."""
+    if not observes(rules):
+        return None
     load_problog()
     from plogic.logic.safety.added import observations, only
 
@@ -51,8 +71,7 @@ def blamed_without_scene(rules: str) -> str | None:
             return False
         return True
 
-    found = observations(source)
-    return None if not found or possible(found) else _told(found, possible)
+    return _told(observations(source), possible)
 
 
 def _source(piece: Text) -> "Source":
@@ -62,9 +81,11 @@ def _source(piece: Text) -> "Source":
 
 
 def _told(found: "list[Observation]", possible: "Callable[[Sequence[Observation]], bool]") -> str | None:
-    """Observations of which none can be spared for there to be no world; None where there is none without them."""
+    """Observations of which none can be spared for there to be no world; None where that is not their doing."""
+    if not found:
+        return None
     with closing(Process(Limits())) as process, through(process.ask):
-        if not found or not possible([]):
+        if possible(found) or not possible([]):
             return None
         for each in list(found):
             less = [other for other in found if other is not each]

@@ -45,7 +45,7 @@ from plogic.scene.factors.scene_graph import SceneGraph, scene_graph
 from plogic.scene.factors.weight_tables import Cast, cast_of
 from plogic.scene.readings.world_weights import log_scale
 from plogic.scene.text.program_text import program_of
-from plogic.scene.worlds.blame import blamed
+from plogic.scene.worlds.blame import blaming
 
 Weighed = tuple[float, tuple[int, ...]]
 Interval = tuple[float, float]
@@ -258,12 +258,11 @@ def ranked_worlds(situation: Situation, n: int = 10, *, seconds: float | None = 
     ``plogic.logic.served.engine.run``.
     """
     check(situation)
-    try:
-        return _on_graph(situation, n, seconds)
-    except OutsideError:
-        return _by_text(situation, n, seconds)
-    except InconsistentError as error:
-        raise InconsistentError(blamed(situation) or str(error)) from None
+    with blaming(situation):
+        try:
+            return _on_graph(situation, n, seconds)
+        except OutsideError:
+            return _by_text(situation, n, seconds)
 
 
 def _on_graph(situation: Situation, n: int, seconds: float | None) -> Ranking:
@@ -281,11 +280,8 @@ def _by_text(situation: Situation, n: int, seconds: float | None) -> Ranking:
     limits = Limits() if seconds is None else Limits(seconds=max(seconds, FIRST))
     text, names, ids = program_of(situation), names_of(situation), [h.id for h in situation.hypotheses]
     goals = {f"present({quoted(name)})": name for name in ids}
-    try:
-        found = program_worlds(text, n, goals=list(goals), limits=limits, names=names)
-        chances = run([text], list(goals), names=names, limits=limits)
-    except InconsistentError as error:
-        raise InconsistentError(blamed(situation) or str(error)) from None
+    found = program_worlds(text, n, goals=list(goals), limits=limits, names=names)
+    chances = run([text], list(goals), names=names, limits=limits)
     present = [tuple(sorted((goals[goal] for goal in w.holds), key=ids.index)) for w in found.worlds]
     causes = CauseTable(cast_of(situation)).causes(present)
     worlds = tuple(
