@@ -58,9 +58,12 @@ class Prior:
 
     @cached_property
     def depth(self) -> tuple[float, float]:
-        """Least and greatest depth of its middle, m."""
-        beside = [float(body.middle[2]) for body in self.others]
+        """Least and greatest depth of its middle, m; beside nobody, from where its picture fills the image."""
         least = 1.05 * self.cloud.radius
+        if not self.others:
+            near = 2.0 * self.cloud.radius * self.camera.f / max(self.camera.width, self.camera.height)
+            return max(near, least), max(near, least) * BEYOND**2
+        beside = [float(body.middle[2]) for body in self.others]
         return max(min(beside) / BEYOND, least), max(max(beside) * BEYOND, 1.5 * least)
 
     @cached_property
