@@ -143,6 +143,7 @@ def test_a_file_is_read_back(parts, tmp_path):
 
 def test_how_types_are_seen_is_read_back_as_they_are_described(parts):
     delta, _, document = written(parts, Options())
+    assert situation_of(document).types.keys() == {"t1", "t2"}
     for name, fact in situation_of(document).types.items():
         kind = next(b.object_type for b in delta.beliefs.values() if b.type == name)
         assert dict(fact.features) == {f.name: f.type for f in kind.seen_features if f.appearances}
