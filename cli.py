@@ -31,6 +31,7 @@ from plogic.face.shown.options import (
     SMOOTHING,
     SOURCE,
     TRUST,
+    WITHHOLD,
     Asking,
     Number,
     Perceiving,
@@ -127,6 +128,7 @@ def perceive(inputs: tuple[str, ...], kb_folder: str, **options: Any) -> None:
 @click.option("-n", "number", type=click.IntRange(1), default=10, show_default=True)
 @GIVEN
 @RULES
+@WITHHOLD
 @READING
 @DEADLINE
 @TRUST
@@ -146,6 +148,7 @@ def worlds(source: str, number: int, given: tuple[str, ...], as_json: bool, **op
 @click.argument("goal", required=False)
 @GIVEN
 @RULES
+@WITHHOLD
 @READING
 @DEADLINE
 @TRUST
@@ -168,6 +171,7 @@ def query(source: str, goal: str | None, given: tuple[str, ...], as_json: bool, 
     "-n", "number", type=click.IntRange(1), help="Explanations of each kind (default: 5; of present(h), a summary)."
 )
 @RULES
+@WITHHOLD
 @READING
 @TRUST
 @AS_JSON
@@ -193,13 +197,14 @@ def shell(source: str, **options: Any) -> None:
 
 @cli.command()
 @INTERPRETATION
+@WITHHOLD
 @READING
 @AS_JSON
-def program(interpretation: str, reading: Any, as_json: bool) -> None:
+def program(interpretation: str, withhold: tuple[str, ...], reading: Any, as_json: bool) -> None:
     """Print the ProbLog program: it runs unchanged in a stock `problog`, with the same numbers."""
     from plogic.face.commands.program import program_command
 
-    emit(program_command(interpretation, reading, as_json=as_json))
+    emit(program_command(interpretation, reading, withhold, as_json=as_json))
 
 
 @cli.command()

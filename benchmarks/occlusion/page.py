@@ -7,9 +7,9 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from benchmarks.occlusion.bench import ARRANGED
-from benchmarks.occlusion.models import possible_triples
 from benchmarks.occlusion.tables import composition, composition_lines, counts_table, relations_table, sign
 from benchmarks.occlusion.witness import arrangements, triples
+from geometry.visibility.composition import possible_triples
 from geometry.visibility.roc import ROC20
 
 if TYPE_CHECKING:
@@ -67,7 +67,7 @@ From R(x, y) and S(y, z), which T(x, z) can follow: how many, of the twenty, for
 
 *From above*: every three bodies without coincident surfaces have an abstract model: which of the cells (inside or outside of each image) there
 are, at which cells two boundaries can meet, and for each cell in two or more images the nonempty set of depth orders that occur in it.
-All models are enumerated (`benchmarks/occlusion/models.py`); what none has cannot be. On the images alone they give the 193 triples of
+All models are enumerated (`geometry/visibility/composition.py`); what none has cannot be. On the images alone they give the 193 triples of
 RCC-8's composition table. *From below*: connected bodies that share no volume, built for random arrangements of three images
 (`benchmarks/occlusion/witness.py`, which shows that every choice of depth orders can be built over an arrangement), {built} of them asked
 for their relations, {wrong} otherwise than wanted. The table is of the relations themselves, without a tolerance; with a tolerance, bodies that

@@ -204,13 +204,14 @@ class RelationRow(RelatedRow):
 
 
 class DoubtRow(TypedDict):
-    """One prediction of §3.8 that fails."""
+    """One prediction of §3.8 that fails; ``evidence``: the relation's probability by what is detected."""
 
     relation: Name
     args: Pair
     expected: str
     found: str
     why: str
+    evidence: NotRequired[Chance]
 
 
 class SharesRow(TypedDict):

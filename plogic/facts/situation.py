@@ -5,6 +5,8 @@ Vocabulary, each with an example value:
 * ``AppearanceFact``: one datum of Γ, ``AppearanceFact(id="a1", type="l_junction", uv=(312.4, 201.9), clutter=2e-5)``
 * ``PairFact``: a relation that geometry computed of two posed objects, ``PairFact("partially_occludes", "h1", "h2",
   "partially_occludes_po")``
+* ``EvidenceFact``: how hypotheses stand by what is detected, ``EvidenceFact((("h2", "h1"),), ((0.9,
+  ("partially_occludes_po",)), (0.1, ("non_occludes_dc",))), withheld=("h2",))``
 * ``Situation``: all of it, with the reading, the mode of reconsideration and the side tables.
 
 Nothing here is computed from probabilities; everything here is plain data that goes into ``interpretation.json`` and
@@ -19,7 +21,7 @@ from dataclasses import dataclass, field
 from itertools import count
 from typing import TYPE_CHECKING, Literal
 
-from geometry.visibility.roc import ROC20, Roc, coarse, coarse_converse, converse, parts_of, rcc_converse
+from geometry.visibility.roc import COARSE, ROC20, Roc, coarse, coarse_converse, converse, parts_of, rcc_converse
 from plogic.facts.spatial import Space
 from plogic.logic.safety.atoms import Names, own_atom
 
@@ -70,6 +72,29 @@ class PairFact:
 
 
 @dataclass(frozen=True)
+class EvidenceFact:
+    """What detections say of how hypotheses stand to each other (§8 of the paper, last paragraph).
+
+    ``states``: (probability, the relation of ROC-20 of each of the ``pairs``), jointly; they sum to 1. ``withheld``:
+    those whose poses are not known, so that nothing else says how they stand.
+    """
+
+    pairs: tuple[tuple[str, str], ...]
+    states: tuple[tuple[float, tuple[Roc, ...]], ...]
+    withheld: tuple[str, ...] = ()
+
+    def among(self, kept: frozenset[str]) -> EvidenceFact:
+        """What it says of these hypotheses alone."""
+        which = [i for i, pair in enumerate(self.pairs) if kept.issuperset(pair)]
+        merged: dict[tuple[Roc, ...], float] = {}
+        for share, relations in self.states:
+            some = tuple(relations[i] for i in which)
+            merged[some] = merged.get(some, 0.0) + share
+        withheld = tuple(name for name in self.withheld if name in kept)
+        return EvidenceFact(tuple(self.pairs[i] for i in which), tuple((p, s) for s, p in merged.items()), withheld)
+
+
+@dataclass(frozen=True)
 class Situation:
     """Everything that decides the probabilities of one image's worlds.
 
@@ -80,10 +105,10 @@ class Situation:
     choices (trap c), never in the measures; 0 by default. ``dv`` per feature type, counted ``dv_over`` types or
     instances (§5.1), and ``rank`` per object type are side tables for queries. ``relations`` are of whole hypotheses
     that can be present together, ``part_relations`` of a part of one and a part of another, or the whole of it.
-    ``space`` says where bodies are, and decides no probability of a world; ``gravity`` who holds whom, which decides
-    some (Σc); None where nobody said that it holds. ``rules`` is the author's ``rules.pl``, ``own`` those of who asks,
-    which no document holds. ``stopped`` says whether more time would have found more; it decides no probability of what
-    was.
+    ``evidence`` is what detections say of relations. ``space`` says where bodies are, and decides no probability of a
+    world; ``gravity`` who holds whom, which decides some (Σc); None where nobody said that it holds. ``rules`` is the
+    author's ``rules.pl``, ``own`` those of who asks, which no document holds. ``stopped`` says whether more time would
+    have found more; it decides no probability of what was.
     """
 
     reading: Reading
@@ -96,6 +121,7 @@ class Situation:
     relations: tuple[PairFact, ...] = ()
     space: Space = field(default_factory=Space)
     part_relations: tuple[PairFact, ...] = ()
+    evidence: tuple[EvidenceFact, ...] = ()
     gravity: Gravity | None = None
     priors: dict[str, float] = field(default_factory=dict)
     dv: dict[str, float] = field(default_factory=dict)
@@ -105,6 +131,11 @@ class Situation:
     rules: str = ""
     own: Text | None = None
     stopped: Stopped = ""
+
+    @property
+    def withheld(self) -> frozenset[str]:
+        """The hypotheses whose pose is not known."""
+        return frozenset(name for fact in self.evidence for name in fact.withheld)
 
 
 Stopped = Literal["", "search", "worlds"]
@@ -186,3 +217,5 @@ def _labels(situation: Situation) -> Iterator[tuple[str, str]]:
         yield from ((label, "n") for label in table)
     for fact in (*situation.relations, *situation.part_relations):
         yield from ((label, "n") for label in (fact.relation, *both_ways(fact)))
+    if situation.evidence:
+        yield from ((label, "n") for label in (*ROC20, *COARSE))

@@ -118,6 +118,7 @@ def _coarse(name: str, meaning: str) -> Entry:
     """One of the coarse occlusion relations (§3.6), of whole hypotheses or of parts that are objects."""
     clause = (
         f"{name}(X, Y) :- outline_relation({name}, X, Y), present(X), present(Y).\n"
+        f"{name}(X, Y) :- unposed(X, Y), evidence_relation({name}, X, Y).\n"
         f"{name}(X, Y) :- part_relation({name}, X, Y), node(X), node(Y)."
     )
     return Entry(name, 2, meaning, f"{name}(X, Y)", clause)
@@ -250,7 +251,8 @@ VOCABULARY: tuple[Entry, ...] = (
         "the relation of X to Y is this one of ROC-20, by outlines and depth (§3.7); X and Y are hypotheses, of which exactly one holds, "
         "or parts that are objects",
         "roc(Relation, X, Y)",
-        "roc(R, X, Y) :- outline_roc(R, X, Y), present(X), present(Y).\nroc(R, X, Y) :- part_roc(R, X, Y), node(X), node(Y).",
+        "roc(R, X, Y) :- outline_roc(R, X, Y), present(X), present(Y).\n"
+        "roc(R, X, Y) :- unposed(X, Y), evidence_roc(R, X, Y).\nroc(R, X, Y) :- part_roc(R, X, Y), node(X), node(Y).",
     ),
     Entry(
         "occludes",
@@ -264,6 +266,21 @@ VOCABULARY: tuple[Entry, ...] = (
     _coarse("partially_occludes", "X is in front of a part of Y (D6, by outlines)"),
     _coarse("mutually_occludes", "each is in front of a part of the other, or they coincide"),
     _coarse("non_occludes", "neither is in front of a part of the other"),
+    Entry(
+        "evidence_roc",
+        3,
+        "the relation of X to Y by what is detected of both, not by their poses, is this one of ROC-20 (§8, last paragraph); where "
+        "one pose is withheld, roc is this",
+        "evidence_roc(Relation, X, Y)",
+        "evidence_roc(R, X, Y) :- stands(S), said_roc(S, R, X, Y), present(X), present(Y).",
+    ),
+    Entry(
+        "evidence_relation",
+        3,
+        "the same, of the four coarse relations",
+        "evidence_relation(Relation, X, Y)",
+        "evidence_relation(R, X, Y) :- stands(S), said_relation(S, R, X, Y), present(X), present(Y).",
+    ),
     Entry("opaque", 1, "H's surface is opaque (A5, A6)", "opaque(H)", "opaque(H) :- opaque_surface(H)."),
     Entry("dv", 2, "V is the distinctiveness of the feature type (§5.1)", "dv(Type, V)", ""),
     Entry("rank", 2, "V is the rank of the object type (§5.3)", "rank(Type, V)", ""),

@@ -28,6 +28,7 @@ from plogic.run.perceive import perceiver_of
 from plogic.run.sources import detected, gamma_of, image_of, is_gamma, kb_of, sized
 from plogic.scene.readings.unfinished import REASONS
 from plogic.scene.worlds.predictions import Doubt, said
+from plogic.sequence.unposed.reading import doubts_weighed
 from sensing.appearance import Gamma
 from sensing.files.gamma_files import read_gamma
 from sensing.files.images import read_image
@@ -69,6 +70,9 @@ def _of_one(source: str, options: Perceiving, say: Say, write: Say) -> int:
     with clock.stage("index"):
         perceiver = perceiver_of(kb, options.generator)
     document = perceiver(gamma, _chosen(options), image, clock)
+    if options.deadline is None:
+        with clock.stage("doubts"):
+            document = doubts_weighed(document)
     status = _write_all(document, options, image, clock, write)
     for line in (_summary(document, clock), *_impossible(document), *_doubts(document)):
         say(line)
@@ -174,11 +178,7 @@ def picture_of(document: Interpretation, image: NDArray[Any] | None) -> bytes:
 def _doubts(document: Interpretation) -> list[str]:
     """What the relations of accepted objects predict in vain (§3.8); of others the document says it."""
     accepted = {h["id"] for h in document["hypotheses"] if h["status"] == "accepted"}
-    return [
-        said(Doubt(row["relation"], (row["args"][0], row["args"][1]), row["expected"], row["found"], row["why"]))
-        for row in document["doubts"]
-        if set(row["args"]) <= accepted
-    ]
+    return [said(Doubt.of(row)) for row in document["doubts"] if set(row["args"]) <= accepted]
 
 
 def _impossible(document: Interpretation) -> list[str]:

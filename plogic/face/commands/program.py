@@ -1,7 +1,7 @@
 """``plogic program``, ``report`` and ``measures``: an interpretation as program text, as a page and as tables."""
 
 import json
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import asdict, replace
 
 from plogic.face.shown.options import written
@@ -10,11 +10,15 @@ from plogic.facts.situation import Reading
 from plogic.scene.readings.unfinished import marks, with_notice
 
 
-def program_command(interpretation: str, reading: Reading | None, *, as_json: bool = False) -> str:
-    """The ProbLog text with its queries."""
+def program_command(
+    interpretation: str, reading: Reading | None, withhold: Sequence[str] = (), *, as_json: bool = False
+) -> str:
+    """The ProbLog text with its queries, as somebody would write it who does not know the poses that are withheld."""
     from plogic.scene.text.program_text import program_text, query_lines
+    from plogic.sequence.unposed.reading import withheld
 
-    situation = situation_of(read_interpretation(interpretation))
+    document = read_interpretation(interpretation)
+    situation = situation_of(withheld(document, withhold) if withhold else document)
     situation = situation if reading is None else replace(situation, reading=reading)
     text = program_text(situation) + "\n" + query_lines(situation)
     told = {"format": "program/1", "reading": situation.reading, "program": text, **marks(situation.stopped)}

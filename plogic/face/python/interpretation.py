@@ -1,7 +1,7 @@
 """An interpretation for Python: what a picture shows, and everything that can be asked of it."""
 
 import base64
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
@@ -203,6 +203,16 @@ class Interpretation(Asked, Result):
             raise InputError(f"reading: {reading!r:.60} should be one of {', '.join(get_args(Reading))}")
         return type(self)({**self._document, "reading": reading}, image=self._image)
 
+    def withhold(self, *names: str) -> Self:
+        """Return the same without the poses of these hypotheses: how they stand is then told by what is detected.
+
+        Raises:
+            Error: for what is no hypothesis that can be present.
+        """
+        from plogic.sequence.unposed.reading import withheld
+
+        return type(self)(withheld(self._document, names), image=self._image)
+
     @property
     def unfinished(self) -> bool:
         """Whether a deadline came before all was done; probabilities are then known within their intervals."""
@@ -328,15 +338,22 @@ def _plain(h: Hypothesis) -> tuple[object, ...]:
     return h.T_camera_object.tolist(), rest
 
 
-def opened(path: str | Path, reading: Reading | None = None, *, trust: bool = False) -> Asked:
+def opened(
+    path: str | Path, reading: Reading | None = None, *, trust: bool = False, withhold: Sequence[str] = ()
+) -> Asked:
     """Return what a file holds: a program, or an interpretation, in the other reading where one is named.
+
+    ``withhold``: the hypotheses of it whose poses nobody knows.
 
     Raises:
         Error: where it cannot be read.
     """
     if is_program(str(path)):
+        if withhold:
+            raise InputError(f"{path}: a program has no poses to withhold")
         return Program.load(path, trust=trust)
     found = Interpretation.load(path)
     found = found if reading is None else found.read_as(reading)
+    found = found.withhold(*withhold) if withhold else found
     found.trust = trust
     return found

@@ -26,6 +26,12 @@ TRUST = click.option(
     is_flag=True,
     help="Lift the allow-list from a program of your own: it may then run Python and read files.",
 )
+WITHHOLD = click.option(
+    "--withhold",
+    multiple=True,
+    metavar="HYPOTHESIS",
+    help="Answer as somebody who does not know where it stands: its relations by what is detected (may be repeated).",
+)
 AS_JSON = click.option("--json", "as_json", is_flag=True, help="One versioned JSON document on stdout.")
 
 
@@ -98,13 +104,14 @@ class Asking:
     """How an interpretation or a program is asked.
 
     ``reading``: the other one of the same Δh, None for its own; ``deadline`` in seconds; ``rules``: a file of a user's
-    own; ``trust`` lifts the allow-list of a program.
+    own; ``trust`` lifts the allow-list of a program; ``withhold``: hypotheses whose poses nobody knows.
     """
 
     reading: Reading | None = None
     deadline: float | None = None
     trust: bool = False
     rules: str | None = None
+    withhold: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True)

@@ -94,6 +94,7 @@ def _together(situation: Situation, named: set[str]) -> set[str]:
     links = nx.Graph([*situation.overlaps, *situation.rivals, *situation.exclusive])
     links.add_edges_from((x, other) for x, *others in situation.space.on_both for other in others)  # y may hang on z
     links.add_edges_from(() if situation.gravity is None else linked(situation.gravity))
+    links.add_edges_from(pair for fact in situation.evidence for pair in fact.pairs)
     for h in situation.hypotheses:
         links.add_edge(h.id, f"group {h.group}")
         links.add_edges_from((h.id, other) for f in h.features for other in f.hidden_by)
@@ -124,4 +125,5 @@ def restricted(situation: Situation, kept: set[str]) -> Situation:
         space=situation.space.among(kept),
         gravity=None if situation.gravity is None else situation.gravity.among(kept),
         part_relations=tuple(r for r in situation.part_relations if kept.issuperset((r.x, r.y))),
+        evidence=tuple(fact.among(frozenset(kept)) for fact in situation.evidence),
     )

@@ -28,6 +28,7 @@ from plogic.logic.safety.atoms import Names, own_atom, quoted
 from plogic.logic.safety.author import observes
 from plogic.logic.served.engine import Limits, Text, ask, request_of
 from plogic.scene.text import fact_layers as facts
+from plogic.scene.text.evidence_layer import evidence_choices, evidence_facts
 from plogic.scene.text.layout import Writer, block_clauses, ev_facts, possible_causes
 from plogic.scene.text.program_text import added_to
 from plogic.scene.text.rules import (
@@ -78,6 +79,7 @@ def _lines(w: Writer) -> Iterator[str]:
     yield "present(_) :- fail."
     yield from facts.trees(w)
     yield from facts.geometry(w)
+    yield from (*evidence_facts(w), *evidence_choices(w))
     yield from ev_facts(w)
     yield from ("0.5::" + w.fact("present", h.id) for h in situation.hypotheses)
     yield from _score(w) if score else _posterior(w)

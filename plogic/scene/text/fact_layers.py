@@ -78,7 +78,7 @@ def whereabouts(w: Writer) -> Iterator[str]:
     situation = w.scene.situation
     space, known = situation.space, {body.id: body for body in situation.space.bodies}
     yield "% Space: the middles of bodies and their nearest places to the camera, metres, camera frame; then the gaps between two, and up."
-    bodies = [known.get(h.id) or _point(h) for h in situation.hypotheses]
+    bodies = [known.get(h.id) or _point(h) for h in situation.hypotheses if h.id not in situation.withheld]
     yield from (_body(w, body) for body in bodies)
     yield from (f"body_gap({w.atoms(x, y)}, {coordinate(gap)})." for x, y, gap in space.gaps)
     yield from (
@@ -147,8 +147,9 @@ def geometry(w: Writer) -> Iterator[str]:
     """Layer 2: poses, one line a feature, Γ, relations of pairs, and the side tables of measures."""
     for h in w.scene.situation.hypotheses:
         yield ""
-        yield _position(w, h)
-        yield from (_feature(w, h, f) for f in h.features)
+        known = h.id not in w.scene.situation.withheld
+        yield from [_position(w, h)] * known
+        yield from (_feature(w, h, f, placed=known) for f in h.features)
     yield from _data(w)
     yield from _pairs(w)
     yield from whereabouts(w)
@@ -160,8 +161,8 @@ def _position(w: Writer, h: Hypothesis) -> str:
     return f"at({name}, {', '.join(map(coordinate, origin))}). distance({name}, {coordinate(math.hypot(*origin))})."
 
 
-def _feature(w: Writer, h: Hypothesis, f: FeatureFact) -> str:
-    facts = [f"at({w.node(h, f.id)}, {', '.join(coordinate(x) for x in f.at)})."]
+def _feature(w: Writer, h: Hypothesis, f: FeatureFact, *, placed: bool) -> str:
+    facts = [f"at({w.node(h, f.id)}, {', '.join(coordinate(x) for x in f.at)})."] if placed else []
     flags = (("in_image", f.in_image), ("in_lobe", f.in_lobe), ("self_hidden", f.self_hidden))
     facts += [w.fact(name, h.id, f.id) for name, holds in flags if holds]
     facts += [w.fact("behind_surface", h.id, f.id, g) for g in f.hidden_by if g != h.id]

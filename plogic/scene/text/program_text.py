@@ -22,6 +22,7 @@ from plogic.logic.served.engine import Text
 from plogic.scene.readings.unfinished import notice
 from plogic.scene.readings.world_weights import group_shares, lifted_smoothing, unmatched
 from plogic.scene.text import fact_layers as facts
+from plogic.scene.text.evidence_layer import evidence_choices, evidence_facts
 from plogic.scene.text.layout import (
     Writer,
     accepted_given,
@@ -178,9 +179,11 @@ def _lines(w: Writer) -> Iterator[str]:
     )
     yield from facts.geometry(w)
     yield from ev_facts(w)
+    yield from evidence_facts(w)
     yield from ("", title(3, "The choices"))
     yield from score_choices(w) if is_score else posterior_choices(w)
     yield from facts.excuses(w)
+    yield from evidence_choices(w)
     yield from ("", title(4, "Σc: constraints and definitions D1-D8, free of any object type"))
     yield from ("% Predicates that may have no facts in this image.", fallbacks(), "")
     for block in rules(situation, smoothed=lifted_smoothing(w.scene) > 0):

@@ -11,7 +11,7 @@ FALLBACKS = (
     "behind_surface/3", "match/3", "preferred/3", "datum/2", "overlap/2", "rival_pair/2", "exclusive/2", "outline_relation/3",
     "outline_roc/3", "part_relation/3", "part_roc/3", "at/4", "distance/2", "body_middle/4", "body_nearest/2", "up_direction/3", "inside_image/1",
     "cut_by_image/1", "body_gap/3", "body_over/2", "stands_on/2", "stands_on_both/3", "weighs/1", "open_foot/3", "body_rests/2", "dv/2",
-    "rank/2", "ev_given/3", "context/2",
+    "rank/2", "ev_given/3", "context/2", "unposed/2", "said_roc/4", "said_relation/4", "stands/1",
 )  # fmt: skip
 
 EXPECTED = r"""% D4, D7: what a hypothesis alone leads to expect, and what a present opaque object, no rival, hides.

@@ -4,10 +4,10 @@ from pathlib import Path
 
 import pytest
 
-from benchmarks.occlusion.models import possible_triples
 from benchmarks.occlusion.neighbours import neighbours
 from benchmarks.occlusion.page import LINES_FILE, lines, page
 from benchmarks.occlusion.tables import composition, counts_table, relations_table, sign
+from geometry.visibility.composition import possible_triples
 from geometry.visibility.occlusion import TOLERANCE
 from geometry.visibility.roc import ROC20
 from plogic.cycle.delta import MOST_PART_PAIRS

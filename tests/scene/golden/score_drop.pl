@@ -126,7 +126,8 @@ inside_image(_) :- fail. cut_by_image(_) :- fail. body_gap(_, _, _) :- fail.
 body_over(_, _) :- fail. stands_on(_, _) :- fail. stands_on_both(_, _, _) :- fail.
 weighs(_) :- fail. open_foot(_, _, _) :- fail. body_rests(_, _) :- fail.
 dv(_, _) :- fail. rank(_, _) :- fail. ev_given(_, _, _) :- fail.
-context(_, _) :- fail.
+context(_, _) :- fail. unposed(_, _) :- fail. said_roc(_, _, _, _) :- fail.
+said_relation(_, _, _, _) :- fail. stands(_) :- fail.
 
 % A3: proper parts; belongs(X, H): node X is of the tree of hypothesis H.
 proper_part(X, Y) :- part_of(X, Y).
@@ -213,6 +214,7 @@ behind(H, G) :- hypothesis(H, _), hypothesis(G, _), all_behind(H, G), present(H)
 hides_all_features(X, Y) :- hypothesis(Y, _), opaque(X), behind(Y, X).
 % roc(Relation, X, Y): the relation of X to Y is this one of ROC-20, by outlines and depth (§3.7); X and Y are hypotheses, of which exactly one holds, or parts that are objects.
 roc(R, X, Y) :- outline_roc(R, X, Y), present(X), present(Y).
+roc(R, X, Y) :- unposed(X, Y), evidence_roc(R, X, Y).
 roc(R, X, Y) :- part_roc(R, X, Y), node(X), node(Y).
 % occludes(X, Y): some part of X totally occludes some part of Y (§3.6).
 occludes(X, Y) :- partially_occludes(X, Y).
@@ -220,16 +222,24 @@ occludes(X, Y) :- totally_occludes(X, Y).
 occludes(X, Y) :- mutually_occludes(X, Y).
 % totally_occludes(X, Y): X covers Y, in front everywhere (D5, by outlines).
 totally_occludes(X, Y) :- outline_relation(totally_occludes, X, Y), present(X), present(Y).
+totally_occludes(X, Y) :- unposed(X, Y), evidence_relation(totally_occludes, X, Y).
 totally_occludes(X, Y) :- part_relation(totally_occludes, X, Y), node(X), node(Y).
 % partially_occludes(X, Y): X is in front of a part of Y (D6, by outlines).
 partially_occludes(X, Y) :- outline_relation(partially_occludes, X, Y), present(X), present(Y).
+partially_occludes(X, Y) :- unposed(X, Y), evidence_relation(partially_occludes, X, Y).
 partially_occludes(X, Y) :- part_relation(partially_occludes, X, Y), node(X), node(Y).
 % mutually_occludes(X, Y): each is in front of a part of the other, or they coincide.
 mutually_occludes(X, Y) :- outline_relation(mutually_occludes, X, Y), present(X), present(Y).
+mutually_occludes(X, Y) :- unposed(X, Y), evidence_relation(mutually_occludes, X, Y).
 mutually_occludes(X, Y) :- part_relation(mutually_occludes, X, Y), node(X), node(Y).
 % non_occludes(X, Y): neither is in front of a part of the other.
 non_occludes(X, Y) :- outline_relation(non_occludes, X, Y), present(X), present(Y).
+non_occludes(X, Y) :- unposed(X, Y), evidence_relation(non_occludes, X, Y).
 non_occludes(X, Y) :- part_relation(non_occludes, X, Y), node(X), node(Y).
+% evidence_roc(Relation, X, Y): the relation of X to Y by what is detected of both, not by their poses, is this one of ROC-20 (§8, last paragraph); where one pose is withheld, roc is this.
+evidence_roc(R, X, Y) :- stands(S), said_roc(S, R, X, Y), present(X), present(Y).
+% evidence_relation(Relation, X, Y): the same, of the four coarse relations.
+evidence_relation(R, X, Y) :- stands(S), said_relation(S, R, X, Y), present(X), present(Y).
 % opaque(H): H's surface is opaque (A5, A6).
 opaque(H) :- opaque_surface(H).
 % ev(H, V): V is the explanatory value of the present H, given which of its occluders are present (§5.4, §5.5).
