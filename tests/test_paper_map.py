@@ -29,6 +29,7 @@ ITEMS = [
     *(f"§8 trap ({letter})" for letter in "abcdefg"),
     "§9.5",
     "§9.7",
+    "§9.8",
 ]
 FILE = re.compile(r"`((?:[\w.]+/)+\w+\.py)(?:::(\w+))?`")
 

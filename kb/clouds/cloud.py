@@ -31,6 +31,11 @@ UNKNOWN_SUPPORT = 0.1
 that seem to float."""
 
 
+SAME_PLACE = 1e-3
+"""A vertex and a feature are in one place that are nearer than this share of the surface's diameter: meshes are written
+to three or four digits."""
+
+
 @dataclass(frozen=True, eq=False)
 class ObjectType:
     """One type of maximal object (D3).
@@ -101,6 +106,18 @@ class ObjectType:
         owners = [owner[f] for f in nearest]
         bodies = {part: np.flatnonzero([own == part or own.startswith(f"{part}/") for own in owners]) for part in parts}
         return {part: _body(self.surface, facets) for part, facets in bodies.items() if len(facets)}
+
+    @cached_property
+    def facets(self) -> tuple[tuple[str, str, str], ...]:
+        """The facets of the surface of which each vertex is where a feature is, by the features' names (§4.2)."""
+        features = self.seen_features
+        if self.surface is None or not features:
+            return ()
+        at = np.array([feature.at for feature in features])
+        nearest = _nearest(self.surface.vertices, at)
+        here = np.linalg.norm(self.surface.vertices - at[nearest], axis=1) <= SAME_PLACE * self.surface.diameter
+        corners = nearest[self.surface.triangles[here[self.surface.triangles].all(axis=1)]]
+        return tuple((features[a].name, features[b].name, features[c].name) for a, b, c in corners.tolist())
 
     @cached_property
     def lobes(self) -> LobeTable:

@@ -9,7 +9,7 @@ from collections.abc import Iterator
 from geometry.visibility.roc import Roc
 from plogic.base.bounds import alternative
 from plogic.facts.situation import both_ways, pair_facts
-from plogic.scene.text.layout import Writer, disjunction
+from plogic.scene.text.layout import Writer, disjunction, number
 
 
 def evidence_choices(w: Writer) -> Iterator[str]:
@@ -18,7 +18,7 @@ def evidence_choices(w: Writer) -> Iterator[str]:
         pairs = "; ".join(w.atoms(*pair) for pair in fact.pairs)
         yield f"% How they stand to each other by what is detected, jointly: {pairs or 'no pair'}."
         shares = alternative([share for share, _ in fact.states])
-        yield disjunction([(p, f"stands(e{i}/{n})") for n, p in enumerate(shares, 1) if p > 0])
+        yield disjunction([(number(p), f"stands(e{i}/{n})") for n, p in enumerate(shares, 1) if p > 0])
 
 
 def evidence_facts(w: Writer) -> Iterator[str]:
