@@ -118,7 +118,6 @@ def _coarse(name: str, meaning: str) -> Entry:
     """One of the coarse occlusion relations (§3.6), of whole hypotheses or of parts that are objects."""
     clause = (
         f"{name}(X, Y) :- outline_relation({name}, X, Y), present(X), present(Y).\n"
-        f"{name}(X, Y) :- unposed(X, Y), evidence_relation({name}, X, Y).\n"
         f"{name}(X, Y) :- part_relation({name}, X, Y), node(X), node(Y)."
     )
     return Entry(name, 2, meaning, f"{name}(X, Y)", clause)
@@ -252,7 +251,7 @@ VOCABULARY: tuple[Entry, ...] = (
         "or parts that are objects",
         "roc(Relation, X, Y)",
         "roc(R, X, Y) :- outline_roc(R, X, Y), present(X), present(Y).\n"
-        "roc(R, X, Y) :- unposed(X, Y), evidence_roc(R, X, Y).\nroc(R, X, Y) :- part_roc(R, X, Y), node(X), node(Y).",
+        "roc(R, X, Y) :- part_roc(R, X, Y), node(X), node(Y).",
     ),
     Entry(
         "occludes",

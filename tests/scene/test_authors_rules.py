@@ -148,6 +148,7 @@ def test_evidence_of_a_question_is_not_blamed_on_the_author():
 
 @pytest.mark.parametrize(("rules", "blamed"), [
     ("0.1::wet.\nevidence(wet).", None),
+    ("constraint(x(X)) :- present(X).\n0.2::constraint_may_fail(x(_)).\nevidence(\\+ y).\n0.1::y.", None),
     ("constraint(x) :- present(_).\nevidence(y).\ny :- object(_, t).", None),
     ("dry.\nevidence(\\+ dry).", "rules.pl:2:1: evidence(\\+ dry)"),
     ("0.1::w.\nconstraint(a) :- w.\nevidence(w).\nconstraint(b) :- present(_).", "rules.pl:2:1: constraint(a) and rules.pl:3:1: evidence(w)"),

@@ -29,7 +29,7 @@ from plogic.logic.safety.author import observes
 from plogic.logic.served.engine import Limits, Text, ask, request_of
 from plogic.scene.text import fact_layers as facts
 from plogic.scene.text.choices import block_facts
-from plogic.scene.text.evidence_layer import evidence_choices, evidence_facts
+from plogic.scene.text.evidence_layer import evidence_choices, evidence_facts, evidence_rules
 from plogic.scene.text.layout import Writer, possible_causes
 from plogic.scene.text.measures import cell_facts, measures
 from plogic.scene.text.object_types import object_types
@@ -86,7 +86,7 @@ def _lines(w: Writer) -> Iterator[str]:
     yield from measures(w)
     yield from facts.geometry(w)
     yield from cell_facts(w)
-    yield from (*evidence_facts(w), *evidence_choices(w))
+    yield from (*evidence_facts(w), *evidence_choices(w), *evidence_rules(w))
     yield from ("0.5::" + w.fact("present", h.id) for h in situation.hypotheses)
     yield from _score(w) if score else _posterior(w)
     yield from (f"{s.split('/')[0]}({', '.join('_' * int(s[-1]))}) :- fail." for s in OUTSIDE)

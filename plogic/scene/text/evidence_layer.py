@@ -11,6 +11,9 @@ from plogic.base.bounds import alternative
 from plogic.facts.situation import both_ways, pair_facts
 from plogic.scene.text.layout import Writer, disjunction, number
 
+SAID = "totally_occludes", "partially_occludes", "mutually_occludes", "non_occludes"
+"""The coarse relations of the vocabulary; the others are their converses."""
+
 
 def evidence_choices(w: Writer) -> Iterator[str]:
     """One alternative each of how hypotheses stand, by what is detected."""
@@ -29,6 +32,15 @@ def evidence_facts(w: Writer) -> Iterator[str]:
         for n, (_, relations) in enumerate(fact.states, 1):
             for pair, relation in zip(fact.pairs, relations, strict=True):
                 yield from _said(w, f"e{i}/{n}", pair, relation)
+
+
+def evidence_rules(w: Writer) -> Iterator[str]:
+    """Where poses are withheld, relations are those by evidence."""
+    if w.scene.situation.withheld:
+        yield "% Where nobody knows a pose, relations are those by evidence."
+        yield "unposed(_, _) :- fail."
+        yield "roc(R, X, Y) :- unposed(X, Y), evidence_roc(R, X, Y)."
+        yield from (f"{name}(X, Y) :- unposed(X, Y), evidence_relation({name}, X, Y)." for name in SAID)
 
 
 def _said(w: Writer, state: str, pair: tuple[str, str], relation: Roc) -> Iterator[str]:

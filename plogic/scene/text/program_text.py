@@ -19,7 +19,7 @@ from plogic.scene.readings.unfinished import notice
 from plogic.scene.readings.world_weights import lifted_smoothing
 from plogic.scene.text import fact_layers as facts
 from plogic.scene.text.choices import choices, evidence_of_data, rates
-from plogic.scene.text.evidence_layer import evidence_choices, evidence_facts
+from plogic.scene.text.evidence_layer import evidence_choices, evidence_facts, evidence_rules
 from plogic.scene.text.layout import Writer, number, title
 from plogic.scene.text.measures import cell_facts, measures
 from plogic.scene.text.object_types import label_comments, object_types
@@ -76,6 +76,7 @@ def _lines(w: Writer) -> Iterator[str]:
     for block in rules(situation, cyclic=any(len(block) > 1 for block in w.graph.blocks)):
         yield from (block, "")
     yield from ("% ---- The vocabulary of queries", *vocabulary_rules(situation.reading))
+    yield from evidence_rules(w)
     clauses = author_rules(situation.rules, w.names, defined())
     if clauses:
         yield from ("", "% ---- The rules of the knowledge base's author", *clauses)

@@ -16,7 +16,7 @@ FACTS = (
     "behind_surface/3", "match/3", "preferred/3", "datum/2", "overlap/2", "rival_pair/2", "exclusive/2", "outline_relation/3",
     "outline_roc/3", "part_relation/3", "part_roc/3", "at/4", "distance/2", "body_middle/4", "body_nearest/2", "up_direction/3", "inside_image/1",
     "cut_by_image/1", "body_gap/3", "body_over/2", "stands_on/2", "stands_on_both/3", "weighs/1", "open_foot/3", "body_rests/2", "dv/2",
-    "rank/2", "occluders/2", "cells/3", "drawn/1", "unposed/2", "said_roc/4", "said_relation/4", "stands/1",
+    "rank/2", "occluders/2", "cells/3", "drawn/1", "said_roc/4", "said_relation/4", "stands/1",
 )  # fmt: skip
 """Predicates of facts, and of choices, of which an image may have none; those of one reading alone are in ``ONLY``."""
 ONLY = {
@@ -252,7 +252,7 @@ def defined() -> frozenset[str]:
         "part_of/2", "feature_of/3", "opaque_surface/1", "proper_part/2", "belongs/2", "rival/2",
         "own_host_hides/2", "candidate/2", "hidden/2", "in_view/2", "claims/3", "not_behind/2", "all_behind/2",
         "bounds/2", "node_of/4", "found/2", "taken_away/3", "supported/1", "concordant/2", "agrees/1", "hitting/3",
-        "other_hit/3", "any_hit/1", "explained/1", "missed/2", "violated/1", "caused/1", "outbid/3", "higher_up/1",
+        "other_hit/3", "any_hit/1", "explained/1", "missed/2", "violated/1", "caused/1", "unposed/2", "outbid/3", "higher_up/1",
         "ev_in/3", "weighed/3", "weight/2", "context/2", "those_present/2", "bounded/2", "chance/3", "ev_holds/2",
         "joint_shares/3", "any_shares/2", "lawful/3", "cut/3", "unlawful/1", "apart/2", "weights/4",
         "state_weight/4", "accepted/4", "acceptance/3", "acceptable/2", "seen/2", "those_in/4", "of_both/3",

@@ -60,13 +60,14 @@ def blamed_without_scene(rules: str) -> str | None:
     if not observes(rules):
         return None
     load_problog()
-    from plogic.logic.safety.added import observations, only
+    from plogic.logic.safety.added import LAW, observations, only
 
+    nothing = f"constraint(_) :- fail.{LAW}"
     source = _source(Text(rules, FILE))
 
     def possible(some: "Sequence[Observation]") -> bool:
         try:
-            run([Text("", own=Text(only(source, some, free_of=defined()), FILE))], ["true"])
+            run([Text(nothing, own=Text(only(source, some, free_of=defined()), FILE))], ["true"])
         except InconsistentError:
             return False
         return True

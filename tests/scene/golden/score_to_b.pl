@@ -123,8 +123,8 @@ alone(h4).
 % ==== (4) Σc: constraints and definitions D1-D8, free of any object type
 % Of these there is nothing here.
 face(_, _) :- fail. object_part(_) :- fail. exclusive(_, _) :- fail. weighs(_) :- fail.
-open_foot(_, _, _) :- fail. body_rests(_, _) :- fail. unposed(_, _) :- fail. said_roc(_, _, _, _) :- fail.
-said_relation(_, _, _, _) :- fail. stands(_) :- fail. luck(_, _) :- fail. joint(_, _, _) :- fail.
+open_foot(_, _, _) :- fail. body_rests(_, _) :- fail. said_roc(_, _, _, _) :- fail. said_relation(_, _, _, _) :- fail.
+stands(_) :- fail. luck(_, _) :- fail. joint(_, _, _) :- fail.
 
 % What is said of a hypothesis follows from its type (§2).
 feature_of(H, F, K) :- hypothesis(H, T), type_feature(T, F, K).
@@ -246,7 +246,6 @@ behind(H, G) :- hypothesis(H, _), hypothesis(G, _), all_behind(H, G), present(H)
 hides_all_features(X, Y) :- hypothesis(Y, _), behind(Y, X), opaque(X).
 % roc(Relation, X, Y): the relation of X to Y is this one of ROC-20, by outlines and depth (§3.7); X and Y are hypotheses, of which exactly one holds, or parts that are objects.
 roc(R, X, Y) :- outline_roc(R, X, Y), present(X), present(Y).
-roc(R, X, Y) :- unposed(X, Y), evidence_roc(R, X, Y).
 roc(R, X, Y) :- part_roc(R, X, Y), node(X), node(Y).
 % occludes(X, Y): some part of X totally occludes some part of Y (§3.6).
 occludes(X, Y) :- partially_occludes(X, Y).
@@ -254,19 +253,15 @@ occludes(X, Y) :- totally_occludes(X, Y).
 occludes(X, Y) :- mutually_occludes(X, Y).
 % totally_occludes(X, Y): X covers Y, in front everywhere (D5, by outlines).
 totally_occludes(X, Y) :- outline_relation(totally_occludes, X, Y), present(X), present(Y).
-totally_occludes(X, Y) :- unposed(X, Y), evidence_relation(totally_occludes, X, Y).
 totally_occludes(X, Y) :- part_relation(totally_occludes, X, Y), node(X), node(Y).
 % partially_occludes(X, Y): X is in front of a part of Y (D6, by outlines).
 partially_occludes(X, Y) :- outline_relation(partially_occludes, X, Y), present(X), present(Y).
-partially_occludes(X, Y) :- unposed(X, Y), evidence_relation(partially_occludes, X, Y).
 partially_occludes(X, Y) :- part_relation(partially_occludes, X, Y), node(X), node(Y).
 % mutually_occludes(X, Y): each is in front of a part of the other, or they coincide.
 mutually_occludes(X, Y) :- outline_relation(mutually_occludes, X, Y), present(X), present(Y).
-mutually_occludes(X, Y) :- unposed(X, Y), evidence_relation(mutually_occludes, X, Y).
 mutually_occludes(X, Y) :- part_relation(mutually_occludes, X, Y), node(X), node(Y).
 % non_occludes(X, Y): neither is in front of a part of the other.
 non_occludes(X, Y) :- outline_relation(non_occludes, X, Y), present(X), present(Y).
-non_occludes(X, Y) :- unposed(X, Y), evidence_relation(non_occludes, X, Y).
 non_occludes(X, Y) :- part_relation(non_occludes, X, Y), node(X), node(Y).
 % surface_of(S, X): S is the surface `surface(X)` of X, a present hypothesis or a part of it that is an object (§4.2).
 surface_of(S, X) :- bounds(S, H), present(H), S = surface(X).
