@@ -15,7 +15,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from geometry.arrays import Floats, Mask
+from geometry.arrays import Floats, Indices, Mask
 from geometry.frames import inverse, transform_points
 from plogic.sequence.next_view.expected import Body, Cloud
 from plogic.sequence.unposed.drawn import UNLIKE, At, Prior, places
@@ -61,12 +61,13 @@ class Stander:
 class Target:
     """``reports`` of the features that are expected of the body alone, and of the ``standers``', are all that speaks.
 
-    ``inside`` (F',): which of those that face the camera are in the image.
+    ``inside`` (F',): which of those that face the camera are in the image; ``asked``: of which of them reports are.
     """
 
     prior: Prior
     opaque: bool
     inside: Mask
+    asked: Indices
     reports: Reports
     standers: tuple[Stander, ...]
 
@@ -84,7 +85,7 @@ class Target:
         points = turned + poses[:, None, :3, 3]
         inside = camera.contains(camera.project(points.reshape(-1, 3))).reshape(points.shape[:2])
         logs = (inside != self.inside).sum(axis=1) * UNLIKE
-        logs += self.reports.log_likelihood(_behind_others(self.standers, points[:, self.inside]))
+        logs += self.reports.log_likelihood(_behind_others(self.standers, points[:, self.asked]))
         for one in self.standers:
             if self.opaque and not one.rival:
                 logs += one.reports.log_likelihood(_hides(cloud, poses, at.middle, one.at))

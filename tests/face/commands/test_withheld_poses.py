@@ -8,9 +8,9 @@ import pytest
 from console import plogic
 from stock_worlds import stock
 
+from geometry.visibility.roc import converse
 from plogic import Error, Interpretation
 from plogic.facts.interpretation import interpretation_in, situation_of
-from plogic.facts.situation import EvidenceFact
 from plogic.sequence.unposed.reading import beside, doubts_weighed, evidence, withheld
 
 
@@ -95,10 +95,16 @@ def test_duplicates_change_nothing(document):
 
 
 def test_evidence_beside_two_poses_says_the_same_of_both_orders(document):
-    one, other = beside(document, "h1", "h2"), beside(document, "h2", "h1")
-    assert isinstance(one, EvidenceFact)
+    alone = [evidence(document, [name]) for name in ("h1", "h2")]
+    one, other = beside(*alone, "h1", "h2"), beside(*alone[::-1], "h2", "h1")
     assert sum(p for p, _ in one.states) == pytest.approx(1.0)
-    assert sorted(p for p, _ in one.states) == pytest.approx(sorted(p for p, _ in other.states), abs=1e-12)
+    assert {r: p for p, (r,) in one.states} == pytest.approx({converse(r): p for p, (r,) in other.states}, abs=1e-12)
+
+
+def test_what_poses_tell_stays_and_evidence_is_beside_it(file):
+    found = asked(file, "roc(R, h1, h2), evidence_roc(E, h1, h2)")
+    assert {goal.split(",")[0] for goal in found} == {"roc(partially_occludes_po"}
+    assert next(iter(found)) == "roc(partially_occludes_po, h1, h2), evidence_roc(partially_occludes_po, h1, h2)"
 
 
 def test_a_doubt_gets_the_number_that_evidence_gives_its_relation(document):

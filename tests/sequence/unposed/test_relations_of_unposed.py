@@ -47,7 +47,8 @@ def target(x, *others, opaque=True, hit=0.9):
     facing = posed[0].in_lobe & ~posed[0].self_hidden
     prior = Prior(bodies[0].cloud, facing, tuple(bodies[1:]), CAMERA, towers().f_ref)
     own = reports(posed[0].candidate, visible(0, everyone))
-    return Target(prior, opaque, posed[0].in_image[facing], own, tuple(standers))
+    inside = posed[0].in_image[facing]
+    return Target(prior, opaque, inside, np.flatnonzero(inside), own, tuple(standers))
 
 
 def told(subject):
