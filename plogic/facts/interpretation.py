@@ -114,7 +114,8 @@ def type_of(row: TypeRow) -> TypeFact:
         LookFact(features[int(f)][0], row["looks"][int(look)], (x, y, z), half, low, high)
         for f, look, x, y, z, half, low, high, _ in row["lobes"]
     )
-    return TypeFact(features, looks=tuple(looks), facets=tuple((a, b, c) for a, b, c in row.get("facets", ())))
+    facets, faces = (tuple(map(tuple, polygons)) for polygons in (row.get("facets", ()), row.get("faces", ())))
+    return TypeFact(features, looks=tuple(looks), facets=facets, faces=faces)
 
 
 def _wrong_lobes(document: Interpretation) -> Iterator[str]:

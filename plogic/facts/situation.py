@@ -87,14 +87,15 @@ class LookFact(NamedTuple):
 class TypeFact:
     """One object type as Σo describes it, whether or not anything is hypothesised of it.
 
-    ``features``: path and type of each, ``parts``: the nodes of the tree that are no such features. ``facets``: the
-    triangles of its surface whose vertices are all features, by their paths (§4.2).
+    ``features``: path and type of each, ``parts``: the nodes of the tree that are no such features. ``facets``,
+    ``faces``: the triangles and the faces of its surface whose corners are all features, by their paths (§4.2).
     """
 
     features: tuple[tuple[str, str], ...] = ()
     parts: tuple[PartFact, ...] = ()
     looks: tuple[LookFact, ...] = ()
-    facets: tuple[tuple[str, str, str], ...] = ()
+    facets: tuple[tuple[str, ...], ...] = ()
+    faces: tuple[tuple[str, ...], ...] = ()
     opaque: bool = True
 
 

@@ -275,7 +275,8 @@ VOCABULARY: tuple[Entry, ...] = (
     Entry(
         "surface_part",
         2,
-        "S is part of the surface of the present hypothesis H: a facet `facet(H, Features)`, or the surface of a part",
+        "S is part of the surface of the present hypothesis H: `facet(H, Features)`, `face(H, Features)`, "
+        "or the surface of a part",
         "surface_part(S, H)",
         "surface_part(S, H) :- bounds(S, H), S \\= surface(H), present(H).",
     ),

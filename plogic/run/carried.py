@@ -52,7 +52,8 @@ def types_document(types: Mapping[str, ObjectType], kb: KnowledgeBase) -> dict[s
     """By type: its ``features`` as [id, type, x, y, z], its ``looks``, and ``lobes`` as rows of numbers.
 
     A lobe is [feature, look, axis x, y, z, half angle, least and greatest distance, hit rate]; metres, radians, object
-    frame, rounded. ``facets``: those of its surface whose vertices are features.
+    frame, rounded. ``facets`` and ``faces``: those of its surface whose corners are
+    features.
     """
     return {name: _table(kind, kb) for name, kind in sorted(types.items())}
 
@@ -103,6 +104,8 @@ def _table(kind: ObjectType, kb: KnowledgeBase) -> TypeRow:
     }
     if kind.facets:
         document["facets"] = [list(corners) for corners in kind.facets]
+    if kind.faces:
+        document["faces"] = [list(corners) for corners in kind.faces]
     return {**document, "left_out": {"lobes": len(hit) - len(kept)}} if len(kept) < len(hit) else document
 
 

@@ -149,7 +149,8 @@ def test_how_types_are_seen_is_read_back_as_they_are_described(parts):
         assert dict(fact.features) == {f.name: f.type for f in kind.seen_features if f.appearances}
         assert len(fact.looks) == sum(len(f.appearances) for f in kind.seen_features)
         assert fact.facets == kind.facets
-        assert fact.facets
+        assert fact.faces == kind.faces
+        assert len(fact.facets) > len(fact.faces) > 5
 
 
 def test_an_empty_gamma_round_trips():

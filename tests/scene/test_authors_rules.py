@@ -176,6 +176,16 @@ def test_explanations_show_choices_and_constraints():
     assert any(line.startswith("  violates constraint(dry(a)), which may fail, with probability ") for line in summary)
 
 
+def test_what_excludes_a_goal_is_told():
+    rules = "0.1::wet.\nevidence(wet).\nconstraint(dry(X)) :- wet, object(X, box).\nconstraint(other) :- present(b).\n"
+    account = explain(pair(rules=rules), "present(a)")
+    assert account.probability == 0.0
+    told = "no world holds it, because of rules.pl:2:1: evidence(wet) and rules.pl:3:1: constraint(dry(X))"
+    assert account.notes[-1] == told
+    assert "because of" not in str(explain(pair(rules=rules), "left_of(a, a)").notes)
+    assert "because of" not in str(explain(pair(rules="0.1::wet."), "left_of(a, a)").notes)
+
+
 def test_a_scene_without_observations_has_the_same_graph():
     plain, ruled = towers("posterior"), towers("posterior", rules="tall(H) :- present(H). 0.2::wet.")
     assert ranked_worlds(plain) == ranked_worlds(ruled)

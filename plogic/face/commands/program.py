@@ -8,8 +8,6 @@ from plogic.base.errors import InputError
 from plogic.face.shown.options import written
 from plogic.facts.interpretation import read_interpretation, situation_of
 from plogic.facts.situation import Reading
-from plogic.run.carried import sigma
-from plogic.run.sources import kb_of
 from plogic.scene.readings.unfinished import marks, with_notice
 
 
@@ -27,15 +25,21 @@ def program_command(
     none.
     """
     from plogic.scene.text.program_text import program_text, query_lines
-    from plogic.sequence.unposed.reading import withheld
 
     if (interpretation is None) == (kb is None):
         raise InputError("give an interpretation, or --kb KB: the program is of one of them")
     if kb is not None:
+        from plogic.run.carried import sigma
+        from plogic.run.sources import kb_of
+
         situation = sigma(kb_of(kb), "score", "to_B")
     else:
         document = read_interpretation(str(interpretation))
-        situation = situation_of(withheld(document, withhold) if withhold else document)
+        if withhold:
+            from plogic.sequence.unposed.reading import withheld
+
+            document = withheld(document, withhold)
+        situation = situation_of(document)
     situation = situation if reading is None else replace(situation, reading=reading)
     text = program_text(situation) + "\n" + query_lines(situation)
     told = {"format": "program/1", "reading": situation.reading, "program": text, **marks(situation.stopped)}

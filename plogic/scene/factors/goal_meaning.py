@@ -16,7 +16,7 @@ program itself. Vocabulary:
 """
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import lru_cache
 from typing import TYPE_CHECKING, Any
 
@@ -187,7 +187,7 @@ def meaning(
     direct = _direct(situation, goals, given) if situation.own is None else None
     if direct is not None:
         return direct
-    text = Text(free_program(situation), own=added_to(situation))
+    text = Text(free_program(_short(situation, (*goals, *given))), own=added_to(situation))
     atoms = tuple(names_of(situation).atoms.items())
     return _ground(text, atoms, tuple(goals), tuple(given), limits or Limits())
 
@@ -216,6 +216,14 @@ def standing(situation: Situation) -> tuple[Meaning, ...]:
     own = situation.own is not None  # its mistakes are told when it is read
     observing = added is not None and any(own or observes(piece.text, piece.file) for piece in added.pieces())
     return (meaning(situation, ()),) if observing else ()
+
+
+def _short(situation: Situation, asked: Sequence[str]) -> Situation:
+    """Without how features look, of which nothing else is a consequence, where nobody speaks of it."""
+    added = () if situation.own is None else (piece.text for piece in situation.own.pieces())
+    if any("type_look" in text for text in (*asked, situation.rules, *added)):
+        return situation
+    return replace(situation, types={name: replace(fact, looks=()) for name, fact in situation.types.items()})
 
 
 def _direct(situation: Situation, goals: Sequence[str], given: Sequence[str]) -> Meaning | None:

@@ -96,7 +96,8 @@ def _type(w: Writer, name: str, said: Said) -> Iterator[str]:
         for look in looks.get(path, ()):
             numbers = ", ".join(map(number, (*look.axis, look.half_angle, look.r_min, look.r_max)))
             yield f"  type_look({w.atoms(name, path, look.type)}, lobe({numbers}))."
-    yield from (f"facet({kind}, {w.list(v)})." for v in fact.facets if said.features.keys() >= set(v))
+    for polygon, several in (("facet", fact.facets), ("face", fact.faces)):
+        yield from (f"{polygon}({kind}, {w.list(v)})." for v in several if said.features.keys() >= set(v))
 
 
 def _part(w: Writer, name: str, part: str, whole: str) -> str:

@@ -11,7 +11,7 @@ from plogic.facts.situation import Situation
 from plogic.facts.vocabulary import VOCABULARY, entries
 
 FACTS = (
-    "object_type/1", "type_opaque/1", "type_part/2", "type_feature/3", "type_look/4", "facet/2", "object_part/1",
+    "object_type/1", "type_opaque/1", "type_part/2", "type_feature/3", "type_look/4", "facet/2", "face/2", "object_part/1",
     "hypothesis/2", "instance/2", "in_image/2", "in_lobe/2", "self_hidden/2",
     "behind_surface/3", "match/3", "preferred/3", "datum/2", "overlap/2", "rival_pair/2", "exclusive/2", "outline_relation/3",
     "outline_roc/3", "part_relation/3", "part_roc/3", "at/4", "distance/2", "body_middle/4", "body_nearest/2", "up_direction/3", "inside_image/1",
@@ -32,9 +32,10 @@ node_of(T, T, H, H).
 node_of(T/P, T, H, H/P).
 opaque_surface(H) :- hypothesis(H, T), type_opaque(T).
 
-% §4.2: what bounds an object: its surface, the facets of that, and the surfaces of its parts.
+% §4.2: what bounds an object: its surface, the facets and faces of that, and the surfaces of its parts.
 bounds(S, H) :- hypothesis(H, _), S = surface(H).
 bounds(S, H) :- hypothesis(H, T), facet(T, Fs), S = facet(H, Fs).
+bounds(S, H) :- hypothesis(H, T), face(T, Fs), S = face(H, Fs).
 bounds(S, H) :- hypothesis(H, T), object_part(T/P), S = surface(H/P).
 """
 

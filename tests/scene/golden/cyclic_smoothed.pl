@@ -58,13 +58,13 @@ E::luck(H, yes); E::luck(H, no); (1-2*E)::luck(H, as_is) :- alone(H), ev_in(H, [
 
 % ==== (4) Σc: constraints and definitions D1-D8, free of any object type
 % Of these there is nothing here.
-type_look(_, _, _, _) :- fail. facet(_, _) :- fail. object_part(_) :- fail. self_hidden(_, _) :- fail.
-preferred(_, _, _) :- fail. overlap(_, _) :- fail. rival_pair(_, _) :- fail. exclusive(_, _) :- fail.
-outline_relation(_, _, _) :- fail. outline_roc(_, _, _) :- fail. part_relation(_, _, _) :- fail. part_roc(_, _, _) :- fail.
-up_direction(_, _, _) :- fail. inside_image(_) :- fail. cut_by_image(_) :- fail. body_over(_, _) :- fail.
-stands_on(_, _) :- fail. stands_on_both(_, _, _) :- fail. weighs(_) :- fail. open_foot(_, _, _) :- fail.
-body_rests(_, _) :- fail. said_roc(_, _, _, _) :- fail. said_relation(_, _, _, _) :- fail. stands(_) :- fail.
-alone(_) :- fail. pick(_, _) :- fail.
+type_look(_, _, _, _) :- fail. facet(_, _) :- fail. face(_, _) :- fail. object_part(_) :- fail.
+self_hidden(_, _) :- fail. preferred(_, _, _) :- fail. overlap(_, _) :- fail. rival_pair(_, _) :- fail.
+exclusive(_, _) :- fail. outline_relation(_, _, _) :- fail. outline_roc(_, _, _) :- fail. part_relation(_, _, _) :- fail.
+part_roc(_, _, _) :- fail. up_direction(_, _, _) :- fail. inside_image(_) :- fail. cut_by_image(_) :- fail.
+body_over(_, _) :- fail. stands_on(_, _) :- fail. stands_on_both(_, _, _) :- fail. weighs(_) :- fail.
+open_foot(_, _, _) :- fail. body_rests(_, _) :- fail. said_roc(_, _, _, _) :- fail. said_relation(_, _, _, _) :- fail.
+stands(_) :- fail. alone(_) :- fail. pick(_, _) :- fail.
 
 % What is said of a hypothesis follows from its type (§2).
 feature_of(H, F, K) :- hypothesis(H, T), type_feature(T, F, K).
@@ -73,9 +73,10 @@ node_of(T, T, H, H).
 node_of(T/P, T, H, H/P).
 opaque_surface(H) :- hypothesis(H, T), type_opaque(T).
 
-% §4.2: what bounds an object: its surface, the facets of that, and the surfaces of its parts.
+% §4.2: what bounds an object: its surface, the facets and faces of that, and the surfaces of its parts.
 bounds(S, H) :- hypothesis(H, _), S = surface(H).
 bounds(S, H) :- hypothesis(H, T), facet(T, Fs), S = facet(H, Fs).
+bounds(S, H) :- hypothesis(H, T), face(T, Fs), S = face(H, Fs).
 bounds(S, H) :- hypothesis(H, T), object_part(T/P), S = surface(H/P).
 
 % A3: proper parts; belongs(X, H): node X is of the tree of hypothesis H.
@@ -244,7 +245,7 @@ non_occludes(X, Y) :- outline_relation(non_occludes, X, Y), present(X), present(
 non_occludes(X, Y) :- part_relation(non_occludes, X, Y), node(X), node(Y).
 % surface_of(S, X): S is the surface `surface(X)` of X, a present hypothesis or a part of it that is an object (§4.2).
 surface_of(S, X) :- bounds(S, H), present(H), S = surface(X).
-% surface_part(S, H): S is part of the surface of the present hypothesis H: a facet `facet(H, Features)`, or the surface of a part.
+% surface_part(S, H): S is part of the surface of the present hypothesis H: `facet(H, Features)`, `face(H, Features)`, or the surface of a part.
 surface_part(S, H) :- bounds(S, H), S \= surface(H), present(H).
 % opaque(X): X is opaque: a hypothesis, its surface, or a part of either (A5, A6).
 opaque(H) :- opaque_surface(H).
