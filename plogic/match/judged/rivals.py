@@ -230,8 +230,7 @@ def moved_apart(
     moves, rows, wanted = np.zeros(6 * len(posed)), np.zeros((0, 6 * len(posed))), np.zeros(0)
     far_ways = {(one.first, one.second): -one.reach.way for one in deep if (one.first, one.second) in through}
     for _ in range(ROUNDS):
-        back = [(far := far_ways.get((one.first, one.second))) is not None and one.reach.way @ far < 0 for one in deep]
-        sided = [_far_side(posed, poses, one) if turn else one for one, turn in zip(deep, back, strict=True)]
+        sided = [_sided(posed, poses, one, far_ways.get((one.first, one.second))) for one in deep]
         new = _rows(posed, poses, sided)
         depths = np.array([contact.reach.depth - SPARE * DEEP for contact in sided])
         rows, wanted = np.vstack([rows, new]), np.concatenate([wanted, new @ moves + depths])
@@ -271,12 +270,14 @@ def contacts(posed: Sequence[Hypothesis], poses: Sequence[Floats], still: int = 
     return found
 
 
-def _far_side(posed: Sequence[Hypothesis], poses: Sequence[Floats], contact: Contact) -> Contact:
-    """The contact as it ends the other way: through both bodies, as thick as they are on the line through it.
+def _sided(posed: Sequence[Hypothesis], poses: Sequence[Floats], contact: Contact, far: Floats | None) -> Contact:
+    """The contact as it ends along ``far`` (3,): through both bodies, as thick as they are on the line through it.
 
-    Itself where a body is not met there.
+    Itself where it ends that way, where no way is asked for, and where a body is not met there.
     """
     way, at = contact.reach.way, contact.reach.at
+    if far is None or way @ far >= 0.0:
+        return contact
     ends = []
     for k, side in ((contact.first, -1.0), (contact.second, 1.0)):
         surface = posed[k].object_type.surface
