@@ -196,15 +196,16 @@ def shell(source: str, **options: Any) -> None:
 
 
 @cli.command()
-@INTERPRETATION
+@click.argument("interpretation", metavar="[INTERPRETATION]", required=False)
+@click.option("--kb", "kb_folder", help="Folder of a knowledge base, or a shipped one: print Σ alone.")
 @WITHHOLD
 @READING
 @AS_JSON
-def program(interpretation: str, withhold: tuple[str, ...], reading: Any, as_json: bool) -> None:
-    """Print the ProbLog program: it runs unchanged in a stock `problog`, with the same numbers."""
+def program(interpretation: str | None, kb_folder: str | None, **options: Any) -> None:
+    """Print the ProbLog program of an interpretation or a KB: it runs unchanged in a stock `problog`."""
     from plogic.face.commands.program import program_command
 
-    emit(program_command(interpretation, reading, withhold, as_json=as_json))
+    emit(program_command(interpretation, kb_folder, **options))
 
 
 @cli.command()

@@ -27,6 +27,9 @@ ITEMS = [
     "§7",
     *(f"§8 {name}" for name in ("program", "worlds", "explanations", "duplicates", "score", "posterior")),
     *(f"§8 trap ({letter})" for letter in "abcdefg"),
+    "§9.5",
+    "§9.7",
+    "§9.8",
 ]
 FILE = re.compile(r"`((?:[\w.]+/)+\w+\.py)(?:::(\w+))?`")
 

@@ -238,12 +238,17 @@ class SensingRow(TypedDict):
 
 
 class TypeRow(TypedDict):
-    """How one type is seen: [id, type, x, y, z] of features, and lobes as rows of numbers (``plogic.run.carried``)."""
+    """How one type is seen: [id, type, x, y, z] of features, and lobes as rows of numbers (``plogic.run.carried``).
+
+    ``facets``, ``faces``: polygons of its surface whose corners are features.
+    """
 
     features: list[Annotated[list[str | float], Row(Name, Name, float, float, float)]]
     looks: list[Name]
     lobes: list[Annotated[list[float], Row(Count, Count, float, float, float, float, float, float, float)]]
     measured: bool
+    facets: NotRequired[list[Annotated[list[Name], Size(3)]]]
+    faces: NotRequired[list[Annotated[list[Name], Size(3, 1000)]]]
     left_out: NotRequired[dict[Name, Count]]
 
 

@@ -148,6 +148,7 @@ def test_evidence_of_a_question_is_not_blamed_on_the_author():
 
 @pytest.mark.parametrize(("rules", "blamed"), [
     ("0.1::wet.\nevidence(wet).", None),
+    ("constraint(x(X)) :- present(X).\n0.2::constraint_may_fail(x(_)).\nevidence(\\+ y).\n0.1::y.", None),
     ("constraint(x) :- present(_).\nevidence(y).\ny :- object(_, t).", None),
     ("dry.\nevidence(\\+ dry).", "rules.pl:2:1: evidence(\\+ dry)"),
     ("0.1::w.\nconstraint(a) :- w.\nevidence(w).\nconstraint(b) :- present(_).", "rules.pl:2:1: constraint(a) and rules.pl:3:1: evidence(w)"),
@@ -173,6 +174,16 @@ def test_explanations_show_choices_and_constraints():
     summary = present(subject, "present(a)").summary
     assert "  keeps constraint(two)" in summary
     assert any(line.startswith("  violates constraint(dry(a)), which may fail, with probability ") for line in summary)
+
+
+def test_what_excludes_a_goal_is_told():
+    rules = "0.1::wet.\nevidence(wet).\nconstraint(dry(X)) :- wet, object(X, box).\nconstraint(other) :- present(b).\n"
+    account = explain(pair(rules=rules), "present(a)")
+    assert account.probability == 0.0
+    told = "no world holds it, because of rules.pl:2:1: evidence(wet) and rules.pl:3:1: constraint(dry(X))"
+    assert account.notes[-1] == told
+    assert "because of" not in str(explain(pair(rules=rules), "left_of(a, a)").notes)
+    assert "because of" not in str(explain(pair(rules="0.1::wet."), "left_of(a, a)").notes)
 
 
 def test_a_scene_without_observations_has_the_same_graph():

@@ -126,6 +126,12 @@ def test_nobody_is_told_where_it_is():
     assert not any(name in text for name in ("at(h2, ", "at(h2/y, ", "body_middle(h2, "))
 
 
+def test_beside_nobody_it_stands_to_nobody():
+    subject = told(EvidenceFact((), ((1.0, ()),), ("h2",)))
+    assert chances(subject, "roc(R, X, Y)") == {}
+    assert stock(subject, ["roc(R, X, Y)", "present(h2)"])["present(h2)"] == pytest.approx(1.0)
+
+
 def test_a_part_of_the_situation_keeps_what_is_said_of_it():
     joint = EvidenceFact(
         (("h2", "h1"), ("h2", "h3")),

@@ -211,6 +211,7 @@ def _of_sequence(frames: Sequence[str], options: Perceiving, say: Say, write: Sa
 
     Where a frame cannot be read, what was made of those before it is written first.
     """
+    from plogic.logic.safety.author import observes
     from plogic.sequence.constancy.sight_lines import View
     from plogic.sequence.views.panorama import Panorama, ahead, panorama_document
 
@@ -222,6 +223,10 @@ def _of_sequence(frames: Sequence[str], options: Perceiving, say: Say, write: Sa
     check_places(_places(options))
     kb = kb_of(options.kb)
     _tell_unchecked(kb, say)
+    if observes(kb.rules):
+        say(
+            "rules.pl: over several views it counts who is present; relations are of one view, and are not told to rules"
+        )
     poses, foreseen = _placed_frames(frames, options.poses)
     if options.poses is None and not all(is_gamma(frame) for frame in frames):
         say("all images are taken to be from the one place that --camera tells; where the camera moved, give --poses")

@@ -4,6 +4,7 @@ import json
 from collections.abc import Callable, Sequence
 from dataclasses import asdict, replace
 
+from plogic.base.errors import InputError
 from plogic.face.shown.options import written
 from plogic.facts.interpretation import read_interpretation, situation_of
 from plogic.facts.situation import Reading
@@ -11,14 +12,34 @@ from plogic.scene.readings.unfinished import marks, with_notice
 
 
 def program_command(
-    interpretation: str, reading: Reading | None, withhold: Sequence[str] = (), *, as_json: bool = False
+    interpretation: str | None,
+    kb: str | None,
+    *,
+    reading: Reading | None = None,
+    withhold: Sequence[str] = (),
+    as_json: bool = False,
 ) -> str:
-    """The ProbLog text with its queries, as somebody would write it who does not know the poses that are withheld."""
-    from plogic.scene.text.program_text import program_text, query_lines
-    from plogic.sequence.unposed.reading import withheld
+    """The ProbLog text of an interpretation with its queries, or of a knowledge base: Σ alone.
 
-    document = read_interpretation(interpretation)
-    situation = situation_of(withheld(document, withhold) if withhold else document)
+    As somebody would write it who does not know the poses that are withheld. Raises InputError where both are given, or
+    none.
+    """
+    from plogic.scene.text.program_text import program_text, query_lines
+
+    if (interpretation is None) == (kb is None):
+        raise InputError("give an interpretation, or --kb KB: the program is of one of them")
+    if kb is not None:
+        from plogic.run.carried import sigma
+        from plogic.run.sources import kb_of
+
+        situation = sigma(kb_of(kb), "score", "to_B")
+    else:
+        document = read_interpretation(str(interpretation))
+        if withhold:
+            from plogic.sequence.unposed.reading import withheld
+
+            document = withheld(document, withhold)
+        situation = situation_of(document)
     situation = situation if reading is None else replace(situation, reading=reading)
     text = program_text(situation) + "\n" + query_lines(situation)
     told = {"format": "program/1", "reading": situation.reading, "program": text, **marks(situation.stopped)}

@@ -203,6 +203,14 @@ class Interpretation(Asked, Result):
             raise InputError(f"reading: {reading!r:.60} should be one of {', '.join(get_args(Reading))}")
         return type(self)({**self._document, "reading": reading}, image=self._image)
 
+    def about(self, goal: str | None) -> Asked:
+        """Return the same with what evidence says of posed objects, where the goal asks for it."""
+        if goal is None or "evidence_r" not in goal or self.subject.evidence:
+            return self
+        from plogic.sequence.unposed.reading import weighed
+
+        return type(self)(weighed(self._document), image=self._image)
+
     def withhold(self, *names: str) -> Self:
         """Return the same without the poses of these hypotheses: how they stand is then told by what is detected.
 

@@ -14,6 +14,7 @@ from typing import Any
 from problog.errors import ProbLogError
 from problog.logic import And, AnnotatedDisjunction, Clause, Constant, Or, Term, Var
 
+from plogic.base.bounds import SLACK
 from plogic.base.errors import NegativeCycleError, ProgramError
 from plogic.logic.safety.allowlist import LOADERS, META, SPECIAL_HEADS
 from plogic.logic.safety.atoms import Names
@@ -32,8 +33,6 @@ OBSERVING = EVIDENCE | {CONSTRAINT}
 """Heads of clauses that leave out worlds."""
 LAWFUL = frozenset({MAY_FAIL, UNLAWFUL})
 """What ``LAW`` defines."""
-SLACK = 1e-9
-"""By how much probabilities may exceed 1: ProbLog's own tolerance."""
 
 
 def check_added(source: Source, known: frozenset[str]) -> frozenset[str]:

@@ -16,7 +16,7 @@ program itself. Vocabulary:
 """
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import lru_cache
 from typing import TYPE_CHECKING, Any
 
@@ -28,15 +28,20 @@ from plogic.logic.safety.atoms import Names, own_atom, quoted
 from plogic.logic.safety.author import observes
 from plogic.logic.served.engine import Limits, Text, ask, request_of
 from plogic.scene.text import fact_layers as facts
-from plogic.scene.text.evidence_layer import evidence_choices, evidence_facts
-from plogic.scene.text.layout import Writer, block_clauses, ev_facts, possible_causes
+from plogic.scene.text.choices import block_facts
+from plogic.scene.text.evidence_layer import evidence_choices, evidence_facts, evidence_rules
+from plogic.scene.text.layout import Writer, possible_causes
+from plogic.scene.text.measures import cell_facts, measures
+from plogic.scene.text.object_types import object_types
 from plogic.scene.text.program_text import added_to
 from plogic.scene.text.rules import (
     COMMON,
     CONCORDANT,
+    EV,
     EXCLUSIVE,
     FOUND,
     FOUND_REASSIGN,
+    OBJECT_TYPES,
     SUPPORTED,
     VIOLATED,
     fallbacks,
@@ -48,7 +53,7 @@ if TYPE_CHECKING:
 
 Key = int | None
 
-OUTSIDE = ("hit/2", "pick/2", "luck/2", "ok/2", "joint/3", "agrees/1", "excused/1")
+OUTSIDE = ("hit/2", "pick/2", "luck/2", "ev_holds/2", "joint/3", "agrees/1", "excused/1", "drawn/1")
 """Choices that the factor graph has summed out, and what is said in terms of them."""
 LOOKING = (
     *(f"subquery/{n}" for n in (2, 3, 5)), *(f"subquery_in_scope/{n}" for n in (3, 4, 6)), "possible/1", "clause/2", "clause/3",
@@ -77,24 +82,30 @@ def _lines(w: Writer) -> Iterator[str]:
     situation = w.scene.situation
     score = situation.reading == "score"
     yield "present(_) :- fail."
-    yield from facts.trees(w)
+    yield from object_types(w)
+    yield from measures(w)
     yield from facts.geometry(w)
-    yield from (*evidence_facts(w), *evidence_choices(w))
-    yield from ev_facts(w)
+    yield from cell_facts(w)
+    yield from (*evidence_facts(w), *evidence_choices(w), *evidence_rules(w))
     yield from ("0.5::" + w.fact("present", h.id) for h in situation.hypotheses)
     yield from _score(w) if score else _posterior(w)
     yield from (f"{s.split('/')[0]}({', '.join('_' * int(s[-1]))}) :- fail." for s in OUTSIDE)
-    yield fallbacks()
-    yield from (COMMON, FOUND_REASSIGN if (score and situation.reconsider == "reassign") else FOUND, VIOLATED)
+    yield from fallbacks(situation.reading)
+    yield from (
+        OBJECT_TYPES,
+        EV,
+        COMMON,
+        FOUND_REASSIGN if (score and situation.reconsider == "reassign") else FOUND,
+        VIOLATED,
+    )
     yield from vocabulary_rules(situation.reading)
 
 
 def _score(w: Writer) -> Iterator[str]:
     """Who is decided alone, and who jointly: no choice, but it can be asked for."""
-    yield "alone(_) :- fail. member_of(_, _) :- fail. includes(_, _) :- fail."
     yield from (w.fact("alone", block[0]) for block in w.graph.blocks if len(block) == 1)
     for i, block in enumerate((block for block in w.graph.blocks if len(block) > 1), start=1):
-        yield from block_clauses(w, f"block({i})", block)
+        yield from block_facts(w, i, block)
     yield from (SUPPORTED, EXCLUSIVE)
     if w.scene.situation.reconsider != "drop":
         yield CONCORDANT
@@ -176,7 +187,7 @@ def meaning(
     direct = _direct(situation, goals, given) if situation.own is None else None
     if direct is not None:
         return direct
-    text = Text(free_program(situation), own=added_to(situation))
+    text = Text(free_program(_short(situation, (*goals, *given))), own=added_to(situation))
     atoms = tuple(names_of(situation).atoms.items())
     return _ground(text, atoms, tuple(goals), tuple(given), limits or Limits())
 
@@ -205,6 +216,14 @@ def standing(situation: Situation) -> tuple[Meaning, ...]:
     own = situation.own is not None  # its mistakes are told when it is read
     observing = added is not None and any(own or observes(piece.text, piece.file) for piece in added.pieces())
     return (meaning(situation, ()),) if observing else ()
+
+
+def _short(situation: Situation, asked: Sequence[str]) -> Situation:
+    """Without how features look, of which nothing else is a consequence, where nobody speaks of it."""
+    added = () if situation.own is None else (piece.text for piece in situation.own.pieces())
+    if any("type_look" in text for text in (*asked, situation.rules, *added)):
+        return situation
+    return replace(situation, types={name: replace(fact, looks=()) for name, fact in situation.types.items()})
 
 
 def _direct(situation: Situation, goals: Sequence[str], given: Sequence[str]) -> Meaning | None:

@@ -9,7 +9,10 @@ from collections.abc import Iterator
 from geometry.visibility.roc import Roc
 from plogic.base.bounds import alternative
 from plogic.facts.situation import both_ways, pair_facts
-from plogic.scene.text.layout import Writer, disjunction
+from plogic.scene.text.layout import Writer, disjunction, number
+
+SAID = "totally_occludes", "partially_occludes", "mutually_occludes", "non_occludes"
+"""The coarse relations of the vocabulary; the others are their converses."""
 
 
 def evidence_choices(w: Writer) -> Iterator[str]:
@@ -18,7 +21,7 @@ def evidence_choices(w: Writer) -> Iterator[str]:
         pairs = "; ".join(w.atoms(*pair) for pair in fact.pairs)
         yield f"% How they stand to each other by what is detected, jointly: {pairs or 'no pair'}."
         shares = alternative([share for share, _ in fact.states])
-        yield disjunction([(p, f"stands(e{i}/{n})") for n, p in enumerate(shares, 1) if p > 0])
+        yield disjunction([(number(p), f"stands(e{i}/{n})") for n, p in enumerate(shares, 1) if p > 0])
 
 
 def evidence_facts(w: Writer) -> Iterator[str]:
@@ -29,6 +32,15 @@ def evidence_facts(w: Writer) -> Iterator[str]:
         for n, (_, relations) in enumerate(fact.states, 1):
             for pair, relation in zip(fact.pairs, relations, strict=True):
                 yield from _said(w, f"e{i}/{n}", pair, relation)
+
+
+def evidence_rules(w: Writer) -> Iterator[str]:
+    """Where poses are withheld, relations are those by evidence."""
+    if w.scene.situation.withheld:
+        yield "% Where nobody knows a pose, relations are those by evidence."
+        yield "unposed(_, _) :- fail."
+        yield "roc(R, X, Y) :- unposed(X, Y), evidence_roc(R, X, Y)."
+        yield from (f"{name}(X, Y) :- unposed(X, Y), evidence_relation({name}, X, Y)." for name in SAID)
 
 
 def _said(w: Writer, state: str, pair: tuple[str, str], relation: Roc) -> Iterator[str]:

@@ -72,7 +72,9 @@ def _effective(logs: Floats) -> float:
 
 
 def log_sum(logs: Floats) -> float:
-    """Ln Σ exp, of which one at least is finite."""
+    """Ln Σ exp; minus infinity where nothing is finite."""
+    if not np.isfinite(logs.max()):
+        return -np.inf
     return float(logs.max() + np.log(np.exp(logs - logs.max()).sum()))
 
 

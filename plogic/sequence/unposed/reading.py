@@ -3,8 +3,8 @@
 ``withheld(document, ["h2"])`` is the document of somebody who does not know where h2 stands. It keeps what was judged
 of h2 (which of its features are expected of it alone, and which were detected: its ev), and loses its relations, what
 it hides and what hides it, and where it is in space. What its evidence says of its relations to what is accepted is in
-the facts of the document. ``beside(document, "h1", "h2")`` is what evidence says of two whose poses are known: the mean
-of the two distributions in which the one's pose, or the other's, is not.
+the facts of the document. ``weighed(document)`` adds what evidence says of two whose poses are known: the mean of the
+two distributions in which the one's pose, or the other's, is not.
 """
 
 from collections import Counter, defaultdict
@@ -23,7 +23,7 @@ from plogic.base.errors import InputError
 from plogic.facts.dependence import Scene
 from plogic.facts.document import HypothesisRow, Interpretation, RejectedRow
 from plogic.facts.hypothesis import FeatureFact, Hypothesis
-from plogic.facts.interpretation import facts_of, situation_of
+from plogic.facts.interpretation import evidence_row, facts_of, situation_of
 from plogic.facts.situation import EvidenceFact, Situation, pair_facts
 from plogic.facts.spatial import space_document
 from plogic.sequence.next_view.expected import Cloud, Prospect
@@ -101,10 +101,11 @@ def evidence(document: Interpretation, names: Sequence[str], seed: int = 0) -> E
 
 
 def _beside(document: Interpretation, name: str, withheld: Iterable[str]) -> list[str]:
-    """The accepted hypotheses that it can be present with, their poses known."""
-    scene = Scene(situation_of(document))
-    accepted = [h["id"] for h in document["hypotheses"] if h["status"] == "accepted"]
-    return [x for x in accepted if x != name and x not in set(withheld) and (x, name) not in scene.apart]
+    """The accepted ones that it can be present with, their poses known; without a surface there is no relation."""
+    scene, meshes = Scene(situation_of(document)), document.get("assets", {}).get("meshes", {})
+    bodies = [h["id"] for h in document["hypotheses"] if h["status"] == "accepted" and h["type"] in meshes]
+    others = {*bodies} - {name, *withheld} if scene.by_id[name].type in meshes else set()
+    return [x for x in bodies if x in others and (x, name) not in scene.apart]
 
 
 def _together(
@@ -127,19 +128,22 @@ def _together(
     return tuple((n / TOLD, state) for state, n in sorted(counted.items(), key=lambda item: (-item[1], item[0])))
 
 
-def beside(document: Interpretation, x: str, y: str) -> EvidenceFact:
-    """What evidence says of two posed ones: the mean of where the one's pose, and where the other's, is withheld."""
+def weighed(document: Interpretation) -> Interpretation:
+    """The document with what evidence says of the accepted, whose poses are known, two by two."""
+    accepted = [h["id"] for h in document["hypotheses"] if h["status"] == "accepted"]
+    alone = {name: evidence(document, [name]) for name in accepted}
+    told = [beside(alone[x], alone[y], x, y) for x, y in combinations(accepted, 2) if (x, y) in alone[x].pairs]
+    return {**document, "facts": [*document["facts"], *(evidence_row(fact) for fact in told)]}
+
+
+def beside(one: EvidenceFact, other: EvidenceFact, x: str, y: str) -> EvidenceFact:
+    """What evidence says of x and y: the mean of where x's pose is withheld, ``one``, and where y's is, ``other``."""
     shares: defaultdict[Roc, float] = defaultdict(float)
-    for name, other in ((x, y), (y, x)):
-        fact = evidence(document, [name])
-        if (name, other) in fact.pairs:
-            which = fact.pairs.index((name, other))
-            for p, relations in fact.states:
-                shares[relations[which] if name == x else converse(relations[which])] += p
-    total = sum(shares.values())
-    return EvidenceFact(
-        ((x, y),), tuple((p / total, (r,)) for r, p in sorted(shares.items(), key=lambda i: (-i[1], i[0])))
-    )
+    for share, relations in one.states:
+        shares[relations[one.pairs.index((x, y))]] += share / 2.0
+    for share, relations in other.states:
+        shares[converse(relations[other.pairs.index((y, x))])] += share / 2.0
+    return EvidenceFact(((x, y),), tuple((p, (r,)) for r, p in sorted(shares.items(), key=lambda i: (-i[1], i[0]))))
 
 
 MOST_DOUBTS = 5
@@ -150,16 +154,17 @@ def doubts_weighed(document: Interpretation) -> Interpretation:
     """The document with the probability that evidence gives to each relation of accepted ones that is in doubt."""
     accepted = {h["id"] for h in document["hypotheses"] if h["status"] == "accepted"}
     rows = list(document.get("doubts", []))
-    doubtful = dict.fromkeys((min(row["args"]), max(row["args"])) for row in rows if accepted.issuperset(row["args"]))
+    told = dict.fromkeys((min(row["args"]), max(row["args"])) for row in rows if accepted.issuperset(row["args"]))
     opaque = {h["id"]: h["opaque"] for h in document["hypotheses"]}
     chances: defaultdict[tuple[str, ...], float] = defaultdict(float)
-    for x, y in list(doubtful)[:MOST_DOUBTS]:
-        for share, (relation,) in beside(document, x, y).states:
+    pairs = list(told)[:MOST_DOUBTS]
+    alone = {name: evidence(document, [name]) for name in dict.fromkeys(name for pair in pairs for name in pair)}
+    for x, y in pairs:
+        for share, (relation,) in beside(alone[x], alone[y], x, y).states:
             for fact in pair_facts(relation, x, y, opaque=(opaque[x], opaque[y])):
                 chances[fact.relation, fact.x, fact.y] += share
-    told = set(list(doubtful)[:MOST_DOUBTS])
     for i, row in enumerate(rows):
-        if (min(row["args"]), max(row["args"])) in told:
+        if (min(row["args"]), max(row["args"])) in pairs:
             rows[i] = {**row, "evidence": min(chances[row["relation"], *row["args"]], 1.0)}
     return {**document, "doubts": rows} if rows else document
 
@@ -174,6 +179,7 @@ def target_of(document: Interpretation, name: str, beside: Sequence[str]) -> Tar
     chances = {other: _chances(bodies[other].cloud, prospect, camera.width * camera.height) for other in bodies}
     facing = [row[f] if f in row and _faces(own, row[f]) else None for f in cloud.features]
     shown = [f for f in facing if f is not None]
+    asked = _surest([i for i, f in enumerate(shown) if f.in_image], shown)
     standers = tuple(
         Stander(
             bodies[other],
@@ -184,9 +190,18 @@ def target_of(document: Interpretation, name: str, beside: Sequence[str]) -> Tar
     )
     others = tuple(one.body for one in standers)
     aspect = np.array([f is not None for f in facing], bool)
-    prior = Prior(cloud, aspect, others, camera, prospect.f_ref)
+    prior = Prior(cloud, aspect, others, camera)
     inside = np.array([f.in_image for f in shown], bool)
-    return Target(prior, own.opaque, inside, _reports([f for f in shown if f.in_image], chances[name]), standers)
+    own_reports = _reports([shown[i] for i in asked], chances[name])
+    return Target(prior, own.opaque, inside, np.array(asked, np.intp), own_reports, standers)
+
+
+MOST = 80
+"""Features of one hypothesis whose reports are looked at, the surest: a pair then takes less than a second."""
+
+
+def _surest(places: Sequence[int], features: Sequence[FeatureFact]) -> list[int]:
+    return sorted(sorted(places, key=lambda i: -features[i].hit_rate)[:MOST])
 
 
 def _faces(h: Hypothesis, f: FeatureFact) -> bool:
@@ -196,6 +211,7 @@ def _faces(h: Hypothesis, f: FeatureFact) -> bool:
 def _known(scene: Scene, h: Hypothesis, beside: set[str], chances: Mapping[str, float]) -> tuple[Floats, Reports]:
     """The features of a posed hypothesis that are expected beside these others, and what was reported of them."""
     some = [f for f in h.features if f.stands_for == 1 and h.expects(f) and not beside & set(scene.hiders(h, f))]
+    some = [some[i] for i in _surest(range(len(some)), some)]
     return np.array([f.at for f in some]).reshape(-1, 3), _reports(some, chances)
 
 

@@ -44,6 +44,8 @@ def posterior(target: Target, seed: int = 0) -> Posterior:
         far = target.log_likelihood(apart) - np.log(len(apart.middle))
     with np.errstate(divide="ignore"):
         masses = np.array([np.log(beside) + found.log_mean, np.log1p(-beside) + log_sum(far)])
+    if not np.isfinite(masses).any():  # nothing goes with the reports: they say nothing
+        masses = np.zeros(2)
     shares = np.exp(masses - masses.max()) / np.exp(masses - masses.max()).sum()
     some = [_chosen(found.at, np.zeros(len(found.at.middle))), _chosen(apart, far[: len(apart.middle)])]
     counts = [len(at.middle) for at in some]

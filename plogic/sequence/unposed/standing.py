@@ -15,8 +15,9 @@ from typing import NamedTuple
 
 import numpy as np
 
-from geometry.arrays import Floats, Mask
+from geometry.arrays import Floats, Indices, Mask
 from geometry.frames import inverse, transform_points
+from geometry.visibility.outline import is_closed
 from plogic.sequence.next_view.expected import Body, Cloud
 from plogic.sequence.unposed.drawn import UNLIKE, At, Prior, places
 
@@ -61,12 +62,13 @@ class Stander:
 class Target:
     """``reports`` of the features that are expected of the body alone, and of the ``standers``', are all that speaks.
 
-    ``inside`` (F',): which of those that face the camera are in the image.
+    ``inside`` (F',): which of those that face the camera are in the image; ``asked``: of which of them reports are.
     """
 
     prior: Prior
     opaque: bool
     inside: Mask
+    asked: Indices
     reports: Reports
     standers: tuple[Stander, ...]
 
@@ -84,7 +86,7 @@ class Target:
         points = turned + poses[:, None, :3, 3]
         inside = camera.contains(camera.project(points.reshape(-1, 3))).reshape(points.shape[:2])
         logs = (inside != self.inside).sum(axis=1) * UNLIKE
-        logs += self.reports.log_likelihood(_behind_others(self.standers, points[:, self.inside]))
+        logs += self.reports.log_likelihood(_behind_others(self.standers, points[:, self.asked]))
         for one in self.standers:
             if self.opaque and not one.rival:
                 logs += one.reports.log_likelihood(_hides(cloud, poses, at.middle, one.at))
@@ -125,7 +127,7 @@ def _meets_ball(middle: Floats, radius: float, at: Floats) -> Mask:
 
 
 def _shares_volume(cloud: Cloud, poses: Floats, middle: Floats, body: Body) -> Mask:
-    """(N,) whether places of the one's surface lie inside the other (A4)."""
+    """(N,) whether places of the one's surface lie inside the other (A4); what is not closed has no inside."""
     other = body.cloud
     result = np.zeros(len(poses), bool)
     close = np.flatnonzero(np.linalg.norm(middle - body.middle, axis=1) < cloud.radius + other.radius)
@@ -136,6 +138,8 @@ def _shares_volume(cloud: Cloud, poses: Floats, middle: Floats, body: Body) -> M
         (other, other_from_own, _surface(cloud)),
         (cloud, np.linalg.inv(other_from_own), _surface(other)),
     ):
+        if into.rays is None or not is_closed(into.rays.triangles):
+            continue
         moved = np.einsum("nij,pj->npi", frames[:, :3, :3], points) + frames[:, None, :3, 3]
         result[close] |= _inside(into, moved.reshape(-1, 3)).reshape(len(close), len(points)).any(axis=1)
     return result
