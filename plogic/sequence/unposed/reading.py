@@ -190,7 +190,7 @@ def target_of(document: Interpretation, name: str, beside: Sequence[str]) -> Tar
     )
     others = tuple(one.body for one in standers)
     aspect = np.array([f is not None for f in facing], bool)
-    prior = Prior(cloud, aspect, others, camera, prospect.f_ref)
+    prior = Prior(cloud, aspect, others, camera)
     inside = np.array([f.in_image for f in shown], bool)
     own_reports = _reports([shown[i] for i in asked], chances[name])
     return Target(prior, own.opaque, inside, np.array(asked, np.intp), own_reports, standers)

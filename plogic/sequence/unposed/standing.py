@@ -17,6 +17,7 @@ import numpy as np
 
 from geometry.arrays import Floats, Indices, Mask
 from geometry.frames import inverse, transform_points
+from geometry.visibility.outline import is_closed
 from plogic.sequence.next_view.expected import Body, Cloud
 from plogic.sequence.unposed.drawn import UNLIKE, At, Prior, places
 
@@ -126,7 +127,7 @@ def _meets_ball(middle: Floats, radius: float, at: Floats) -> Mask:
 
 
 def _shares_volume(cloud: Cloud, poses: Floats, middle: Floats, body: Body) -> Mask:
-    """(N,) whether places of the one's surface lie inside the other (A4)."""
+    """(N,) whether places of the one's surface lie inside the other (A4); what is not closed has no inside."""
     other = body.cloud
     result = np.zeros(len(poses), bool)
     close = np.flatnonzero(np.linalg.norm(middle - body.middle, axis=1) < cloud.radius + other.radius)
@@ -137,6 +138,8 @@ def _shares_volume(cloud: Cloud, poses: Floats, middle: Floats, body: Body) -> M
         (other, other_from_own, _surface(cloud)),
         (cloud, np.linalg.inv(other_from_own), _surface(other)),
     ):
+        if into.rays is None or not is_closed(into.rays.triangles):
+            continue
         moved = np.einsum("nij,pj->npi", frames[:, :3, :3], points) + frames[:, None, :3, 3]
         result[close] |= _inside(into, moved.reshape(-1, 3)).reshape(len(close), len(points)).any(axis=1)
     return result
