@@ -47,11 +47,12 @@ class At(NamedTuple):
 class Prior:
     """Where a type may be beside ``others``.
 
-    ``aspect`` (F,): the features that are in a lobe and not Behind their own host, the side that it shows.
+    ``aspect`` (F,): the features that are in a lobe and not Behind their own host, the side that it shows; None where
+    nobody knows.
     """
 
     cloud: Cloud
-    aspect: Mask
+    aspect: Mask | None
     others: tuple[Body, ...]
     camera: Camera
 
@@ -81,6 +82,8 @@ class Prior:
     @cached_property
     def seen_from(self) -> Floats:
         """(D,) log-probability of each direction, from the middle to the camera, by what is expected of it alone."""
+        if self.aspect is None:
+            return np.full(DIRECTIONS, -np.log(DIRECTIONS))
         distance = max(float(np.sqrt(self.depth[0] * self.depth[1])), 2.0 * self.cloud.radius)
         seen = _in_view(self.cloud, self.cloud.middle + distance * self.directions)
         wrong = (seen != self.aspect).sum(axis=1)

@@ -10,7 +10,7 @@ features that y may hide. Used of the body's own data is *which* of its features
 * ``Target``: what decides the probability of a pose
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import NamedTuple
 
 import numpy as np
@@ -72,6 +72,13 @@ class Target:
     reports: Reports
     standers: tuple[Stander, ...]
 
+    @property
+    def unreported(self) -> "Target":
+        """The same of which nothing is reported, and nobody knows from which side it is seen."""
+        none, empty = np.zeros(0, np.intp), Reports(np.zeros(0, bool), np.zeros(0), np.zeros(0))
+        prior = replace(self.prior, aspect=None)
+        return replace(self, prior=prior, inside=np.zeros(0, bool), asked=none, reports=empty)
+
     def poses(self, at: At) -> Floats:
         """(N, 4, 4) camera_from_object."""
         poses = np.zeros((len(at.middle), 4, 4))
@@ -82,7 +89,8 @@ class Target:
     def log_likelihood(self, at: At) -> Floats:
         """(N,) of all reports; minus infinity where A4 forbids the pose."""
         poses, cloud, camera = self.poses(at), self.prior.cloud, self.prior.camera
-        turned = places(cloud)[self.prior.aspect] @ np.swapaxes(at.rotation, 1, 2)
+        aspect = np.zeros(cloud.lobes.features, bool) if self.prior.aspect is None else self.prior.aspect
+        turned = places(cloud)[aspect] @ np.swapaxes(at.rotation, 1, 2)
         points = turned + poses[:, None, :3, 3]
         inside = camera.contains(camera.project(points.reshape(-1, 3))).reshape(points.shape[:2])
         logs = (inside != self.inside).sum(axis=1) * UNLIKE
