@@ -93,7 +93,7 @@ def numbers(row: tuple[float, ...]) -> list[float]:
 
 
 def standing(x: float, y: float, z: float, turn: float = 0.0, lean: float = 0.35) -> np.ndarray:
-    """camera_from_object: a box at (x, y, z) m of the camera, turned about its z axis, seen from above by ``lean`` rad."""
+    """camera_from_object: a box at (x, y, z) m of the camera, turned about its z axis, seen from ``lean`` rad above."""
     c, s, u, v = np.cos(turn), np.sin(turn), np.cos(lean), np.sin(lean)
     about = np.array([[c, -s, 0], [s, c, 0], [0, 0, 1]])
     seen = np.array([[1, 0, 0], [0, v, -u], [0, u, v]])
