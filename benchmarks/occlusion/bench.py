@@ -23,8 +23,11 @@ from benchmarks.occlusion.oracle import FINE, raster_relation
 from benchmarks.occlusion.pairs import KINDS, pairs
 from benchmarks.occlusion.tables import sign
 from benchmarks.occlusion.withheld import (
+    AIMED,
+    QUICK_AIMED,
     QUICK_WITHHELD,
     WITHHELD,
+    aimed_pairs,
     reliability_rows,
     withheld_claims,
     withheld_figures,
@@ -57,7 +60,8 @@ Pairs of each kind, in ideal pixels of a 640 x 480 camera, f = 600 px; tolerance
 known: the relation is decided by how the pair was made. rays: decided by 80 x 80 rays over both, or, where these say otherwise than we
 do, by 400 x 400; undecided: it hangs on fewer than six rays, on what lies within two rays of an edge, or on the tolerance (at half or twice of
 it we say otherwise), and is left out. withheld: pairs of which one pose is withheld, by the true relation; first: it is the most
-probable by what is detected; cells: hiding changes so many; reliability: of the most probable relations.
+probable by what is detected; cells: hiding changes so many; aimed: one before or behind the other, or a rod through a hollow, which poses
+drawn as the prior has them seldom are; reliability: of the most probable relations.
 us: microseconds of the processor a pair, median and 95 %, its two outlines given; outlines: of drawing."""
 
 
@@ -85,11 +89,13 @@ def run(*, seed: int, quick: bool, as_json: bool, say: Callable[[str], None]) ->
     found = neighbours(QUICK_MOTIONS if quick else MOTIONS, seed)
     say(f"neighbours: {len(found)} ordered pairs")
     told = withheld_pairs(QUICK_WITHHELD if quick else WITHHELD, seed, say)
+    rare = aimed_pairs(QUICK_AIMED if quick else AIMED, seed, say)
     printed = {
         "pairs": [_row(kind, judged) for kind in KINDS],
         "relations": _relations(judged, found),
         "composition": [tables],
         "withheld": withheld_rows(told),
+        "withheld, aimed": withheld_rows(rare),
         "reliability": reliability_rows(told),
         "withheld figures": [withheld_figures(told)],
     }

@@ -59,8 +59,10 @@ if TYPE_CHECKING:
 
     Floats = NDArray[np.float64]
     Objects = list[Placed]
+    Maker = Callable[[KnowledgeBase, np.random.Generator], Objects]
 
 WITHHELD, QUICK_WITHHELD = 300, 8
+AIMED, QUICK_AIMED = 60, 4
 DETECTOR = Detector("withheld", 0.9, 1.0, float(np.radians(3.0)))
 """One in ten features is missed."""
 FEATURES, LOOKS, CLUTTER = 40, 20, 60
@@ -96,14 +98,26 @@ class Withheld:
 
 
 def withheld_pairs(count: int, seed: int, say: Callable[[str], None]) -> list[Withheld]:
-    """The pairs of a seed."""
-    kb = types(seed)
-    perceiver = Perceiver(kb)
-    found = []
-    for i in range(count):
-        found.append(_judged(perceiver, np.random.default_rng([seed, i, 39])))
-        if (i + 1) % 50 == 0:
-            say(f"withheld: {i + 1} pairs")
+    """The pairs of a seed, drawn as the prior has them."""
+    return _pairs(count, [pair], [seed, 39], say)
+
+
+def aimed_pairs(count: int, seed: int, say: Callable[[str], None]) -> list[Withheld]:
+    """Pairs whose relations are rare among these, half of either making."""
+    return _pairs(count, [aimed, interlocked], [seed, 40], say)
+
+
+def _pairs(count: int, makers: Sequence[Maker], seeds: list[int], say: Callable[[str], None]) -> list[Withheld]:
+    """So many pairs; where remembered poses share volume (A4) there is no relation, and another is drawn."""
+    perceiver, found = Perceiver(types(seeds[0])), list[Withheld]()
+    i = 0
+    while len(found) < count:
+        rng, i = np.random.default_rng([*seeds, i]), i + 1
+        objects = makers[i % len(makers)](perceiver.kb, rng)
+        one = _judged(perceiver, objects if rng.random() < 0.5 else objects[::-1], rng)
+        found += [] if one is None else [one]
+        if i % 50 == 0:
+            say(f"withheld: {len(found)} pairs")
     return found
 
 
@@ -126,12 +140,13 @@ def _type(name: str, vertices: Floats, triangles: NDArray[np.int64], rng: np.ran
     return made(name, surface, at, body_frames(normal, rng), looks, np.full(FEATURES, HALF_ANGLE))
 
 
-def _judged(perceiver: Perceiver, rng: np.random.Generator) -> Withheld:
-    objects = pair(perceiver.kb, rng)
+def _judged(perceiver: Perceiver, objects: Objects, rng: np.random.Generator) -> Withheld | None:
     document = remembered(perceiver, objects, rng)
     start = time.process_time()
     fact = evidence(document, ["h1"])
     spent = time.process_time() - start
+    if not fact.pairs:
+        return None
     told: dict[CoarseRelation, float] = dict.fromkeys(COARSE, 0.0)
     for share, (relation,) in fact.states:
         told[coarse(relation)] = min(told[coarse(relation)] + share, 1.0)
@@ -150,7 +165,7 @@ def _posed(one: Placed) -> PosedSurface:
 
 
 def pair(kb: KnowledgeBase, rng: np.random.Generator) -> Objects:
-    """Two objects that share no volume, in random order.
+    """Two objects that share no volume.
 
     The one is wholly in the image, of any size; the other's middle is anywhere in it, even in log depth up to e times
     nearer or farther, in any rotation.
@@ -164,8 +179,32 @@ def pair(kb: KnowledgeBase, rng: np.random.Generator) -> Objects:
         other = from_rotation_translation(R, ray / ray[2] * depth - R @ surface_of(second).centre)
         in_front = depth > surface_of(second).diameter
         if in_front and not meet(first, pose, second, other):
-            two = [Placed(first, pose, NO_DEPTH), Placed(second, other, NO_DEPTH)]
-            return two if rng.random() < 0.5 else two[::-1]
+            return [Placed(first, pose, NO_DEPTH), Placed(second, other, NO_DEPTH)]
+
+
+def aimed(kb: KnowledgeBase, rng: np.random.Generator) -> Objects:
+    """One on the line of sight to a corner of the other, before or behind it."""
+    while True:
+        first, second = (kb.types[int(i)] for i in rng.integers(len(kb.types), size=2))
+        pose, R = random_pose(first, rng), rotation_from_quat_xyzw(rng.normal(size=4))
+        corner = transform_points(pose, surface_of(first).vertices)[int(rng.integers(len(surface_of(first).vertices)))]
+        middle = corner * np.exp(rng.choice([-1.0, 1.0]) * rng.uniform(0.3, 0.9))
+        other = from_rotation_translation(R, middle - R @ surface_of(second).centre)
+        if middle[2] > surface_of(second).diameter and not meet(first, pose, second, other):
+            return [Placed(first, pose, NO_DEPTH), Placed(second, other, NO_DEPTH)]
+
+
+def interlocked(kb: KnowledgeBase, rng: np.random.Generator) -> Objects:
+    """A rod through the hollow of a U, a hook or a ring."""
+    while True:
+        frame, rod = kb.types[int(rng.integers(6, 9))], kb.types[9]
+        pose = random_pose(frame, rng)
+        lean = rotation_from_quat_xyzw(np.r_[rng.normal(0.0, 0.15, 3), 1.0])
+        upright = np.array([[1.0, 0.0, 0.0], [0.0, 0.0, -1.0], [0.0, 1.0, 0.0]])
+        at = SCALE * rng.uniform([-0.25, -0.25, -0.6], [0.25, 0.25, 0.6])
+        other = pose @ from_rotation_translation(lean @ upright, at)
+        if not meet(frame, pose, rod, other):
+            return [Placed(frame, pose, NO_DEPTH), Placed(rod, other, NO_DEPTH)]
 
 
 def _middle(kind: ObjectType, pose: Floats) -> Floats:

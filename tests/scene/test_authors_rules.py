@@ -113,7 +113,7 @@ def test_the_evidence_of_the_text_is_that_of_the_graph(reading):
 
 
 def test_choices_of_two_grounders_are_not_mixed():
-    subject = pair(rules="0.3::wet.\nodd :- findall(X, present(X), L), length(L, 1), wet.\n")
+    subject = pair(rules="0.3::wet.\nodd :- between(1, 2, N), N > 1, wet, present(a).\n")
     live = LiveScene(subject)
     live.observe("wet")
     with pytest.raises(OutsideError):
@@ -174,6 +174,16 @@ def test_explanations_show_choices_and_constraints():
     summary = present(subject, "present(a)").summary
     assert "  keeps constraint(two)" in summary
     assert any(line.startswith("  violates constraint(dry(a)), which may fail, with probability ") for line in summary)
+
+
+def test_what_excludes_a_goal_is_told():
+    rules = "0.1::wet.\nevidence(wet).\nconstraint(dry(X)) :- wet, object(X, box).\nconstraint(other) :- present(b).\n"
+    account = explain(pair(rules=rules), "present(a)")
+    assert account.probability == 0.0
+    told = "no world holds it, because of rules.pl:2:1: evidence(wet) and rules.pl:3:1: constraint(dry(X))"
+    assert account.notes[-1] == told
+    assert "because of" not in str(explain(pair(rules=rules), "left_of(a, a)").notes)
+    assert "because of" not in str(explain(pair(rules="0.1::wet."), "left_of(a, a)").notes)
 
 
 def test_a_scene_without_observations_has_the_same_graph():

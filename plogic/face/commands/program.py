@@ -36,9 +36,9 @@ def program_command(
     else:
         document = read_interpretation(str(interpretation))
         if withhold:
-            from plogic.sequence.unposed.reading import withheld
+            from plogic.sequence.unposed.elsewhere import without_poses
 
-            document = withheld(document, withhold)
+            document = without_poses(document, withhold)
         situation = situation_of(document)
     situation = situation if reading is None else replace(situation, reading=reading)
     text = program_text(situation) + "\n" + query_lines(situation)

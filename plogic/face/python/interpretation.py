@@ -214,12 +214,15 @@ class Interpretation(Asked, Result):
     def withhold(self, *names: str) -> Self:
         """Return the same without the poses of these hypotheses: how they stand is then told by what is detected.
 
+        Args:
+            names: ids, or ``other.json:h2`` for a hypothesis of another image, which gets the first id that is free.
+
         Raises:
             Error: for what is no hypothesis that can be present.
         """
-        from plogic.sequence.unposed.reading import withheld
+        from plogic.sequence.unposed.elsewhere import without_poses
 
-        return type(self)(withheld(self._document, names), image=self._image)
+        return type(self)(without_poses(self._document, names), image=self._image)
 
     @property
     def unfinished(self) -> bool:

@@ -30,7 +30,8 @@ WITHHOLD = click.option(
     "--withhold",
     multiple=True,
     metavar="HYPOTHESIS",
-    help="Answer as somebody who does not know where it stands: its relations by what is detected (may be repeated).",
+    help="Answer as somebody who does not know where it stands: its relations by what is detected; "
+    "OTHER.json:HYPOTHESIS for one that is seen in another image (may be repeated).",
 )
 AS_JSON = click.option("--json", "as_json", is_flag=True, help="One versioned JSON document on stdout.")
 

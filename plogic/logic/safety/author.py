@@ -40,8 +40,9 @@ def author_rules(text: str, names: Names, program: frozenset[str], file: str = F
 
 def observes(text: str, file: str = FILE) -> bool:
     """Whether a text has evidence or constraints; raises ProgramError where it cannot be read."""
-    if "evidence" not in text and "constraint" not in text:
-        return False
+    lines = [line for line in text.splitlines() if not line.lstrip().startswith("%")]
+    if not any("evidence" in line or "constraint" in line for line in lines):
+        return False  # without ProbLog
     load_problog()
     from plogic.logic.safety.added import observations
     from plogic.logic.safety.check import parse

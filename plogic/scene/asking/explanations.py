@@ -123,6 +123,11 @@ def explain(
         if summary is None:
             raise
         return replace(summary, notes=(f"no explanations choice by choice: {error}",))
+    if isinstance(subject, Situation) and account.probability == 0.0 and not given:
+        from plogic.scene.worlds.blame import excluding
+
+        if why := excluding(subject, goal):
+            account = replace(account, notes=(*account.notes, f"no world holds it, because of {' and '.join(why)}"))
     return account if summary is None else replace(account, summary=summary.summary)
 
 

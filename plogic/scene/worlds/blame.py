@@ -40,6 +40,20 @@ def blaming(situation: Situation) -> Iterator[None]:
 
 def blamed(situation: Situation) -> str | None:
     """One line with their places; None where there is no world without them either."""
+    found = _fewest(situation)
+    return None if found is None else _told(found)
+
+
+GOAL = "goal_of_the_question"
+
+
+def excluding(situation: Situation, goal: str) -> tuple[str, ...]:
+    """The observations of the author's, with their places, because of which a goal holds in no world."""
+    asked = Text(f"{GOAL} :- {goal.strip().removesuffix('.')}\n.\nevidence({GOAL}).", GOAL, situation.own)
+    return tuple(each.told for each in _fewest(replace(situation, own=asked)) or () if each.file != GOAL)
+
+
+def _fewest(situation: Situation) -> "list[Observation] | None":
     added = added_to(situation)
     pieces = [] if added is None else list(added.pieces())
 
@@ -52,7 +66,7 @@ def blamed(situation: Situation) -> str | None:
     load_problog()
     from plogic.logic.safety.added import observations, only
 
-    return _told([each for piece in pieces for each in observations(_source(piece))], possible)
+    return _spared([each for piece in pieces for each in observations(_source(piece))], possible)
 
 
 def blamed_without_scene(rules: str) -> str | None:
@@ -72,7 +86,8 @@ def blamed_without_scene(rules: str) -> str | None:
             return False
         return True
 
-    return _told(observations(source), possible)
+    found = _spared(observations(source), possible)
+    return None if found is None else _told(found)
 
 
 def _source(piece: Text) -> "Source":
@@ -81,7 +96,13 @@ def _source(piece: Text) -> "Source":
     return parse(piece.text, piece.file)
 
 
-def _told(found: "list[Observation]", possible: "Callable[[Sequence[Observation]], bool]") -> str | None:
+def _told(found: "list[Observation]") -> str:
+    return f"no world satisfies {' and '.join(each.told for each in found)}"
+
+
+def _spared(
+    found: "list[Observation]", possible: "Callable[[Sequence[Observation]], bool]"
+) -> "list[Observation] | None":
     """Observations of which none can be spared for there to be no world; None where that is not their doing."""
     if not found:
         return None
@@ -91,7 +112,7 @@ def _told(found: "list[Observation]", possible: "Callable[[Sequence[Observation]
         for each in list(found):
             less = [other for other in found if other is not each]
             found = found if possible(less) else less
-    return f"no world satisfies {' and '.join(each.told for each in found)}"
+    return found
 
 
 def _possible(situation: Situation) -> bool:

@@ -47,14 +47,14 @@ class At(NamedTuple):
 class Prior:
     """Where a type may be beside ``others``.
 
-    ``aspect`` (F,): the features that are in a lobe and not Behind their own host, the side that it shows.
+    ``aspect`` (F,): the features that are in a lobe and not Behind their own host, the side that it shows; None where
+    nobody knows.
     """
 
     cloud: Cloud
-    aspect: Mask
+    aspect: Mask | None
     others: tuple[Body, ...]
     camera: Camera
-    f_ref: float
 
     @cached_property
     def depth(self) -> tuple[float, float]:
@@ -82,8 +82,10 @@ class Prior:
     @cached_property
     def seen_from(self) -> Floats:
         """(D,) log-probability of each direction, from the middle to the camera, by what is expected of it alone."""
+        if self.aspect is None:
+            return np.full(DIRECTIONS, -np.log(DIRECTIONS))
         distance = max(float(np.sqrt(self.depth[0] * self.depth[1])), 2.0 * self.cloud.radius)
-        seen = _in_view(self.cloud, self.cloud.middle + distance * self.directions, self.camera.f / self.f_ref)
+        seen = _in_view(self.cloud, self.cloud.middle + distance * self.directions)
         wrong = (seen != self.aspect).sum(axis=1)
         logs = wrong * UNLIKE
         return np.asarray(logs - np.log(np.exp(logs - logs.max()).sum()) - logs.max())
@@ -128,14 +130,17 @@ class Prior:
         return At(_turned(direction, middle, rng.uniform(0.0, 2.0 * np.pi, len(middle))), middle)
 
 
-def _in_view(cloud: Cloud, viewpoints: Floats, granularity: float) -> Mask:
-    """(V, F) which features are in a lobe and not Behind their own host, from viewpoints (V, 3) m, object frame."""
+def _in_view(cloud: Cloud, viewpoints: Floats) -> Mask:
+    """(V, F) which features are in a lobe and not Behind their own host, from viewpoints (V, 3) m, object frame.
+
+    Of lobes the direction alone counts: nobody knows the distance.
+    """
     table = cloud.lobes
     order = np.argsort(table.feature, kind="stable")
     first = np.flatnonzero(np.r_[True, np.diff(table.feature[order]) > 0])[: len(order)]
     held = np.zeros((len(viewpoints), table.features), bool)
     if len(order):
-        inside = in_lobe(table, viewpoints, granularity)[:, order]
+        inside = in_lobe(table, viewpoints)[:, order]
         held[:, table.feature[order][first]] = np.logical_or.reduceat(inside, first, axis=1)
     if cloud.rays is not None and not cloud.measured:
         which, feature = np.nonzero(held)

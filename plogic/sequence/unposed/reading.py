@@ -85,13 +85,17 @@ def _unhidden(name: str, f: FeatureFact, names: frozenset[str]) -> tuple[str, ..
     return () if name in names else tuple(other for other in f.hidden_by if other not in names)
 
 
-def evidence(document: Interpretation, names: Sequence[str], seed: int = 0) -> EvidenceFact:
+def evidence(document: Interpretation, names: Sequence[str], *, elsewhere: bool = False) -> EvidenceFact:
     """How these, whose poses are withheld, stand to what is accepted, and to each other, jointly.
 
-    Each is placed by itself; of two of them what the one hides of the other speaks for nothing.
+    Each is placed by itself; of two of them what the one hides of the other speaks for nothing. ``elsewhere``: they are
+    seen in another image, so that their own reports say nothing here.
     """
     targets = {name: target_of(document, name, _beside(document, name, names)) for name in names}
-    found = {name: posterior(target, seed) for name, target in targets.items()}
+    if elsewhere:
+        targets = {name: target.unreported for name, target in targets.items()}
+    with np.errstate(divide="ignore", invalid="ignore", over="ignore"):  # a file may hold bodies without extent
+        found = {name: posterior(target) for name, target in targets.items()}
     pairs = [(name, one.body.id) for name, target in targets.items() for one in target.standers]
     if len(names) == 1:
         (name,) = names
@@ -104,7 +108,8 @@ def _beside(document: Interpretation, name: str, withheld: Iterable[str]) -> lis
     """The accepted ones that it can be present with, their poses known; without a surface there is no relation."""
     scene, meshes = Scene(situation_of(document)), document.get("assets", {}).get("meshes", {})
     bodies = [h["id"] for h in document["hypotheses"] if h["status"] == "accepted" and h["type"] in meshes]
-    others = {*bodies} - {name, *withheld} if scene.by_id[name].type in meshes else set()
+    unknown = {name, *withheld, *scene.situation.withheld}
+    others = {*bodies} - unknown if scene.by_id[name].type in meshes else set()
     return [x for x in bodies if x in others and (x, name) not in scene.apart]
 
 
@@ -190,7 +195,7 @@ def target_of(document: Interpretation, name: str, beside: Sequence[str]) -> Tar
     )
     others = tuple(one.body for one in standers)
     aspect = np.array([f is not None for f in facing], bool)
-    prior = Prior(cloud, aspect, others, camera, prospect.f_ref)
+    prior = Prior(cloud, aspect, others, camera)
     inside = np.array([f.in_image for f in shown], bool)
     own_reports = _reports([shown[i] for i in asked], chances[name])
     return Target(prior, own.opaque, inside, np.array(asked, np.intp), own_reports, standers)

@@ -10,13 +10,14 @@ features that y may hide. Used of the body's own data is *which* of its features
 * ``Target``: what decides the probability of a pose
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import NamedTuple
 
 import numpy as np
 
 from geometry.arrays import Floats, Indices, Mask
 from geometry.frames import inverse, transform_points
+from geometry.visibility.outline import is_closed
 from plogic.sequence.next_view.expected import Body, Cloud
 from plogic.sequence.unposed.drawn import UNLIKE, At, Prior, places
 
@@ -71,6 +72,13 @@ class Target:
     reports: Reports
     standers: tuple[Stander, ...]
 
+    @property
+    def unreported(self) -> "Target":
+        """The same of which nothing is reported, and nobody knows from which side it is seen."""
+        none, empty = np.zeros(0, np.intp), Reports(np.zeros(0, bool), np.zeros(0), np.zeros(0))
+        prior = replace(self.prior, aspect=None)
+        return replace(self, prior=prior, inside=np.zeros(0, bool), asked=none, reports=empty)
+
     def poses(self, at: At) -> Floats:
         """(N, 4, 4) camera_from_object."""
         poses = np.zeros((len(at.middle), 4, 4))
@@ -81,7 +89,8 @@ class Target:
     def log_likelihood(self, at: At) -> Floats:
         """(N,) of all reports; minus infinity where A4 forbids the pose."""
         poses, cloud, camera = self.poses(at), self.prior.cloud, self.prior.camera
-        turned = places(cloud)[self.prior.aspect] @ np.swapaxes(at.rotation, 1, 2)
+        aspect = np.zeros(cloud.lobes.features, bool) if self.prior.aspect is None else self.prior.aspect
+        turned = places(cloud)[aspect] @ np.swapaxes(at.rotation, 1, 2)
         points = turned + poses[:, None, :3, 3]
         inside = camera.contains(camera.project(points.reshape(-1, 3))).reshape(points.shape[:2])
         logs = (inside != self.inside).sum(axis=1) * UNLIKE
@@ -126,7 +135,7 @@ def _meets_ball(middle: Floats, radius: float, at: Floats) -> Mask:
 
 
 def _shares_volume(cloud: Cloud, poses: Floats, middle: Floats, body: Body) -> Mask:
-    """(N,) whether places of the one's surface lie inside the other (A4)."""
+    """(N,) whether places of the one's surface lie inside the other (A4); what is not closed has no inside."""
     other = body.cloud
     result = np.zeros(len(poses), bool)
     close = np.flatnonzero(np.linalg.norm(middle - body.middle, axis=1) < cloud.radius + other.radius)
@@ -137,6 +146,8 @@ def _shares_volume(cloud: Cloud, poses: Floats, middle: Floats, body: Body) -> M
         (other, other_from_own, _surface(cloud)),
         (cloud, np.linalg.inv(other_from_own), _surface(other)),
     ):
+        if into.rays is None or not is_closed(into.rays.triangles):
+            continue
         moved = np.einsum("nij,pj->npi", frames[:, :3, :3], points) + frames[:, None, :3, 3]
         result[close] |= _inside(into, moved.reshape(-1, 3)).reshape(len(close), len(points)).any(axis=1)
     return result

@@ -87,6 +87,18 @@ def test_contradictory_rules_are_told_in_one_line(folder, demo, tmp_path):
     assert "no mistakes" in good("kb", "check", kb)  # a scene without hypotheses would not tell
 
 
+def test_what_constraints_exclude_is_told_and_nothing_is_smoothed(folder, demo, tmp_path):
+    kb = changed(folder, tmp_path, "constraint(nothing) :- object(_, _).\n")
+    done = plogic("perceive", demo / "gamma.json", "--kb", kb, "--out", tmp_path / "scene.json")
+    assert done.returncode == 0, done.stderr
+    scene = json.loads((tmp_path / "scene.json").read_text())
+    assert scene["smoothing"] == 0.0
+    assert [(w["present"], w["probability"]) for w in scene["worlds"]] == [([], 1.0)]
+    assert done.stderr.count("no possible world holds it: its probability is 0") == 2
+    text = good("explain", tmp_path / "scene.json", "object(X, t1)")
+    assert "note: no world holds it, because of rules.pl:1:1: constraint(nothing)" in text
+
+
 @pytest.mark.parametrize(("rules", "told"), [
     ("0.1::wet.\n:- wet.\nevidence(dry).\n", "rules.pl:3:10: no clauses for dry/0; also rules.pl:2:4: a clause without a head"),
     (

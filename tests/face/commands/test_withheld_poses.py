@@ -11,6 +11,7 @@ from stock_worlds import stock
 from geometry.visibility.roc import converse
 from plogic import Error, Interpretation
 from plogic.facts.interpretation import interpretation_in, situation_of
+from plogic.sequence.unposed.elsewhere import with_elsewhere
 from plogic.sequence.unposed.reading import beside, doubts_weighed, evidence, withheld
 
 
@@ -85,6 +86,19 @@ def test_both_of_two_may_be_withheld(document):
     fact = evidence(document, ["h1", "h2"])
     assert fact.pairs == (("h1", "h2"),)
     assert sum(p for p, _ in fact.states) == pytest.approx(1.0)
+
+
+def test_one_that_is_seen_in_another_image_stands_somewhere(file, demo, document):
+    """It is h3 here, as probable as there; by what it would hide it is likely before nothing that is all detected."""
+    found = asked(file, "roc(R, h1, h3)", "--withhold", f"{file}:h2")
+    both = asked(file, "present(h1), present(h3)", "--withhold", f"{file}:h2").popitem()[1]
+    assert sum(found.values()) == pytest.approx(both, abs=1e-9)
+    assert asked(file, "at(h3, X, Y, Z)", "--withhold", f"{file}:h2") == {}
+    run = plogic("query", file, "--withhold", f"{file}:h8")
+    assert (run.returncode, run.stderr) == (1, "plogic: h8: should be among the other image's h1, h2\n")
+    other = {**document, "kb": {"name": "x", "digest": "y"}}
+    with pytest.raises(Error, match="another knowledge base"):
+        with_elsewhere(document, other, "h2")
 
 
 def test_duplicates_change_nothing(document):

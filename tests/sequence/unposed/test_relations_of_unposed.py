@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections import Counter
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -12,13 +13,14 @@ from geometry.bodies.overlap import solid_overlap
 from geometry.frames import from_rotation_translation, inverse, rotation_from_quat_xyzw
 from geometry.visibility.composition import possible_triples
 from geometry.visibility.occlusion import occlusion
+from geometry.visibility.rays import RayMesh
 from geometry.visibility.roc import ROC20, coarse
 from plogic.match.gamma.data import data_of
 from plogic.match.judged.expectation import hidden_by, pose_of
 from plogic.match.judged.rivals import solid_of
 from plogic.sequence.next_view.expected import Body
 from plogic.sequence.unposed import drawn, standing
-from plogic.sequence.unposed.drawn import Prior
+from plogic.sequence.unposed.drawn import At, Prior
 from plogic.sequence.unposed.relations import lawful, placed, posterior, states
 from plogic.sequence.unposed.standing import Reports, Stander, Target
 
@@ -45,7 +47,7 @@ def target(x, *others, opaque=True, hit=0.9):
         known = visible(i, everyone[1:])
         standers.append(Stander(bodies[i], posed[i].at[known], reports(known, visible(i, everyone))))
     facing = posed[0].in_lobe & ~posed[0].self_hidden
-    prior = Prior(bodies[0].cloud, facing, tuple(bodies[1:]), CAMERA, towers().f_ref)
+    prior = Prior(bodies[0].cloud, facing, tuple(bodies[1:]), CAMERA)
     own = reports(posed[0].candidate, visible(0, everyone))
     inside = posed[0].in_image[facing]
     return Target(prior, opaque, inside, np.flatnonzero(inside), own, tuple(standers))
@@ -126,6 +128,18 @@ def test_no_pose_shares_volume():
     depths = [solid_overlap(solids[0], pose, solids[1], other) for pose in found.poses[found.near]]
     assert len(depths) > 100
     assert np.mean(np.array(depths) > 1e-3 * solids[0].volume) < 0.02
+
+
+def test_what_is_not_closed_has_no_inside():
+    subject = target(FRONT, BACK)
+    here = subject.standers[0].body
+    at = At(here.reference_from_object[None, :3, :3], here.middle[None])
+    assert not np.isfinite(subject.log_likelihood(at)).any()
+    rays = here.cloud.rays
+    sheet = replace(here.cloud, rays=RayMesh(rays.vertices, rays.triangles[1:]))
+    opened = replace(subject.prior, cloud=replace(subject.prior.cloud, rays=sheet.rays))
+    beside = (replace(subject.standers[0], body=replace(here, cloud=sheet)),)
+    assert np.isfinite(replace(subject, prior=opened, standers=beside).log_likelihood(at)).all()
 
 
 def test_what_stands_to_several_goes_with_how_these_stand():
