@@ -1,0 +1,220 @@
+"""Coarse poses of all types that are known by places alone, from triples of neighbours in the image (§6.3).
+
+Each triple of appearances is laid onto every triple of features of any type that looks like it. With A the affine map
+from the plane of the features to the image, the greater eigenvalue of AᵀA is the squared scale, and the lesser one's
+direction and size tell the slant, up to a reflection (Huttenlocher and Ullman 1990). Of these poses those are left
+whose view cell shows the three, and the other features vote.
+
+* ``Posed``: N poses of any types
+* ``coarse_poses(index, data, ...)``: the best of them by votes
+"""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from itertools import combinations
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from geometry.arrays import Floats, Indices, lengths
+from plogic.base.clock import unhurried
+from plogic.match.gamma.data import Columns, Data, blocks, centre_of, viewpoints_of
+from plogic.match.gamma.grid import taken
+from plogic.match.hand.place_index import FLAT, PlaceIndex
+from plogic.match.hand.view_cells import DistanceMaps
+
+Singles = NDArray[np.float32]
+
+NEIGHBOURS = 8
+"""Nearest data among which the other two of a triple are sought."""
+NEAREST = 1.0
+"""Pixels between two of a triple at least."""
+FLATTEST = np.cos(np.radians(78.0)) ** 2
+"""Least foreshortening, squared: a wall seen at more than 78° shows nothing."""
+MOST = 400_000
+"""Pairs of triples that are looked at: half of them the rarest, the others evenly of the rest (§5.1)."""
+BLOCK = 1 << 16
+"""Pairs of triples at a time: about 30 MB."""
+SMALLEST, LARGEST = 12.0, 2.0
+"""Pixels across, and image heights, of an object at least and at most."""
+REACH, SHARP = np.float32(0.1), np.float32(4.0)
+"""Share of the size within which a datum is near; half of a vote is for coming so many times nearer."""
+MISSED = np.float32(0.4)
+"""What a feature without a datum near takes from the votes, against what one with a datum at its place gives."""
+
+
+@dataclass(frozen=True)
+class Posed(Columns):
+    """``kind`` (N,) types; ``poses`` (N, 4, 4) camera_from_object; ``worth`` (N,) votes."""
+
+    kind: Indices
+    poses: Singles
+    worth: Singles
+
+
+class ImageTriples(NamedTuple):
+    """``key`` (N,) as in ``Triples``; ``frame`` (N, 3, 3) turns the optical axis to the first's ray.
+
+    ``sides`` (N, 2, 2): columns are the second and third from the first in the plane square to that ray, tangents.
+    """
+
+    key: NDArray[np.int64]
+    frame: Singles
+    sides: Singles
+
+
+def image_triples(index: PlaceIndex, data: Data, check: Callable[[], None] = unhurried) -> ImageTriples:
+    """The triples of neighbouring data that some feature looks like, by their looks in increasing order.
+
+    ``check`` is called between blocks of them, and may raise to end it.
+    """
+    names, which = data.by_look
+    looks = np.array([index.number_of.get(name, -1) for name in names], np.intp)[which]
+    members = np.argsort(looks, kind="stable")[np.count_nonzero(looks < 0) :]
+    three, count = _neighbouring(data.ideal[members], check), len(index.looks)
+    rays = np.concatenate(
+        [(data.ideal[members] - centre_of(data.camera)) / data.camera.f, np.ones((len(members), 1))], axis=1
+    )[three]
+    rays /= lengths(rays)[..., None]
+    frame = turn_z_to(rays[:, 0])
+    local = np.einsum("nji,nkj->nki", frame, rays[:, 1:])
+    return ImageTriples(
+        looks[members[three]] @ np.array([count * count, count, 1]),
+        frame.astype(np.float32),
+        np.swapaxes(local[..., :2] / local[..., 2:], 1, 2).astype(np.float32),
+    )
+
+
+def _neighbouring(places: Floats, check: Callable[[], None]) -> Indices:
+    """(N, 3) numbers of neighbouring places (M, 2), increasing, no slivers."""
+    near = np.zeros((len(places), max(0, min(NEIGHBOURS, len(places) - 1))), np.intp)
+    for some in blocks(len(places), len(places)):
+        check()
+        step = places[None] - places[some][:, None]
+        near[some] = np.argsort(np.hypot(step[..., 0], step[..., 1]), axis=1, kind="stable")[:, 1 : NEIGHBOURS + 1]
+    one, other = np.array(list(combinations(range(near.shape[1]), 2)), dtype=np.intp).reshape(-1, 2).T
+    first = np.repeat(np.arange(len(places)), len(one))
+    three = np.unique(np.sort(np.column_stack([first, near[:, one].ravel(), near[:, other].ravel()]), axis=1), axis=0)
+    u, v = (places[three[:, k]] - places[three[:, 0]] for k in (1, 2))
+    size = lengths(u) * lengths(v)
+    wide = np.abs(u[:, 0] * v[:, 1] - u[:, 1] * v[:, 0]) >= FLAT * size
+    return np.asarray(three[wide & (np.minimum(lengths(u), lengths(v)) > NEAREST)])
+
+
+def turn_z_to(ray: Floats) -> Floats:
+    """(N, 3, 3) smallest rotations that take the optical axis to unit rays (N, 3) in front of the camera."""
+    x, y, z = ray.T
+    k = 1.0 / (1.0 + z)
+    rows = [[1.0 - k * x * x, -k * x * y, x], [-k * x * y, 1.0 - k * y * y, y], [-x, -y, z]]
+    return np.moveaxis(np.array(rows), 2, 0)
+
+
+def coarse_poses(
+    index: PlaceIndex, data: Data, maps: DistanceMaps, most: int, check: Callable[[], None] = unhurried
+) -> tuple[Posed, bool]:
+    """The ``most`` poses of all types that the data vote for, best first, and whether every pair was looked at.
+
+    ``maps`` of the index's sets of looks (``PlaceIndex.allowed``). ``check`` is called between blocks, and may raise to
+    end it.
+    """
+    image, table = image_triples(index, data, check), index.triples
+    low, high = (np.searchsorted(table.key, image.key, side) for side in ("left", "right"))
+    some = _rarest(high - low, MOST)
+    row, entry = taken(low[some][:, None], high[some][:, None])
+    row = some[row]
+    best = Posed(np.zeros(0, np.intp), np.zeros((0, 4, 4), np.float32), np.zeros(0, np.float32))
+    for start in range(0, len(row), BLOCK):
+        check()
+        found = _voted(index, data, maps, *_poses(index, image, row[start : start + BLOCK], entry[start : start + BLOCK], data))
+        best = Posed.joined([best, found])
+        best = best.take(np.argsort(-best.worth, kind="stable")[:most])
+    return best, len(some) == len(low)
+
+
+def _rarest(count: Indices, most: int) -> Indices:
+    """Those of triples that find so many (N,) each, in order, ``most`` pairs in all."""
+    order = np.argsort(count, kind="stable")
+    whole = int(np.searchsorted(np.cumsum(count[order]), most if count.sum() <= most else most // 2, "right"))
+    rest = np.sort(order[whole:])
+    step = int(np.ceil(count[rest].sum() / max(1, most // 2))) or 1
+    return np.sort(np.concatenate([order[:whole], rest[step // 2 :: step]]))
+
+
+def _poses(
+    index: PlaceIndex, image: ImageTriples, row: Indices, entry: Indices, data: Data
+) -> tuple[Indices, Indices, Indices, Singles]:
+    """Types, view cells, entries (N,) and poses (N, 4, 4) of those of both reflections whose cell shows the three."""
+    table, f = index.triples, data.camera.f
+    kind = table.kind[entry]
+    affine = image.sides[row] @ table.flat[entry]
+    (a, b), (c, d) = np.moveaxis(affine, 0, 2)
+    one, both, other = a * a + c * c, a * b + c * d, b * b + d * d
+    middle, root = (one + other) / 2, np.hypot((one - other) / 2, both)
+    square = np.maximum(middle + root, np.float32(1e-18))
+    size = np.sqrt(square) * (f * index.diameters).astype(np.float32)[kind]
+    good = (middle - root > FLATTEST * square) & (size > SMALLEST) & (size < LARGEST * data.camera.height)
+    some = np.flatnonzero(good)
+    row, entry, kind, affine, square = row[some], entry[some], kind[some], affine[some], square[some]
+    slant = np.sqrt(np.maximum(1 - np.stack([one, other])[:, some] / square, 0))
+    slant[1] *= np.where(both[some] > 0, -1, 1)
+    depth, facing = 1 / np.sqrt(square), np.linalg.det(affine) / square
+    found = []
+    for sign in (np.float32(1), np.float32(-1)):
+        last = np.stack([sign * slant[0], sign * slant[1], facing], axis=1)  # the plane's axes along the ray
+        back = np.einsum("nj,njk->nk", last, table.axes[entry])
+        cell = index.cells_of((table.first[entry] - back * depth[:, None] - index.centres.astype(np.float32)[kind]).T)
+        three = table.features[entry]
+        shown = index.visible[kind, cell, three[:, 0]]
+        for k in (1, 2):
+            shown &= index.visible[kind, cell, three[:, k]]
+        here = np.flatnonzero(shown)
+        found.append((kind[here], cell[here], entry[here], _posed(table, image, entry[here], row[here], affine[here], last[here], depth[here])))
+    kinds, cells, entries, poses = (np.concatenate(columns) for columns in zip(*found, strict=True))
+    return kinds, cells, entries, poses
+
+
+def _posed(table, image, entry: Indices, row: Indices, affine: Singles, last: Singles, depth: Singles) -> Singles:
+    """(N, 4, 4) poses of triples laid onto each other; ``last`` (N, 3) how the plane's axes lie along the ray."""
+    columns = np.concatenate([affine * depth[:, None, None], last[:, None, :2]], axis=1)
+    plane = np.concatenate([columns, np.cross(columns[:, :, 0], columns[:, :, 1])[:, :, None]], axis=2)
+    poses = np.zeros((len(entry), 4, 4), np.float32)
+    poses[:, :3, :3] = image.frame[row] @ plane @ table.axes[entry]
+    poses[:, :3, 3] = image.frame[row][:, :, 2] * depth[:, None]
+    poses[:, :3, 3] -= np.einsum("nij,nj->ni", poses[:, :3, :3], table.first[entry])
+    poses[:, 3, 3] = 1
+    return poses
+
+
+def _voted(
+    index: PlaceIndex, data: Data, maps: DistanceMaps, kind: Indices, cell: Indices, entry: Indices, poses: Singles
+) -> Posed:
+    """The poses with the votes of their cells' ``probes``, but for the three that made them."""
+    probe = index.probes[kind, cell]
+    asked = (probe >= 0) & (probe[:, :, None] != index.triples.features[entry][:, None]).all(axis=2)
+    return Posed(kind, poses, votes(index, data, maps, kind, poses, probe, asked))
+
+
+def votes(
+    index: PlaceIndex, data: Data, maps: DistanceMaps, kind: Indices, poses: Singles, features: Indices, asked: NDArray
+) -> Singles:
+    """(N,) of ``features`` (N, K), where they are ``asked``: how many have a datum near, less what is missed."""
+    points = index.points.astype(np.float32)[kind[:, None], features]
+    local = points @ np.swapaxes(poses[:, :3, :3], 1, 2) + poses[:, None, :3, 3]
+    front = local[..., 2] > 1e-6
+    scale = np.float32(data.camera.f) / np.where(front, local[..., 2], np.float32(np.inf))
+    places = local[..., :2] * scale[..., None] + centre_of(data.camera).astype(np.float32)
+    distance, covered = maps.seen_at(places, index.shown[kind[:, None], features])
+    depth = np.maximum(np.einsum("nj,nj->n", poses[:, 2, :3], index.centres.astype(np.float32)[kind]) + poses[:, 2, 3], 1e-6)
+    reach = REACH * np.float32(data.camera.f) * index.diameters.astype(np.float32)[kind] / depth
+    share = np.minimum(distance / reach[:, None], 1)
+    vote = (1 - share + np.maximum(1 - SHARP * share, 0)) / 2
+    asked = asked & ~covered
+    return np.asarray(((vote * (1 + MISSED) - MISSED) * asked).sum(axis=1))
+
+
+def pose_votes(index: PlaceIndex, data: Data, maps: DistanceMaps, kind: Indices, poses: Floats) -> Singles:
+    """(N,) the votes of all features that the view cells of poses (N, 4, 4) show."""
+    cell = index.cells_of((viewpoints_of(poses) - index.centres[kind]).T)
+    every = np.broadcast_to(np.arange(index.own.shape[1]), (len(kind), index.own.shape[1]))
+    return votes(index, data, maps, kind, poses.astype(np.float32), every, index.visible[kind, cell])
