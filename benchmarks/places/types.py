@@ -3,8 +3,8 @@
 * ``places_kb(count, seed)``: Σ of so many types
 
 A body is a stack of rings of corners: prisms, pyramids, frusta, wedges, blocks on blocks, towers with a pointed roof.
-Half of the types have regular rings, all of whose corners, and all of whose faces of one storey, look alike, as far as
-one mark leaves them so; their symmetries are stated. Of the others every feature looks like any of the vocabulary.
+Half of the types have regular rings, all of whose corners, and all of whose edges and faces of one storey, look alike;
+their symmetries are stated. Of the others every feature looks like any of the vocabulary.
 """
 
 from __future__ import annotations
@@ -44,8 +44,6 @@ CORNER = np.radians(115.0)
 """Half angle of the lobe of a corner or an edge: it is seen from wherever its body does not hide it."""
 SIDES, REGULAR = (3, 6), 0.5
 """Least and most corners of a ring; share of the types whose rings are regular."""
-MARKED = 0.5
-"""Share of the regular ones that have a mark."""
 SAME = 1e-6
 """Of the extent, within which a feature is carried onto another."""
 PROFILES = (
@@ -142,7 +140,7 @@ def surface_of(body: Body) -> Surface:
 def _features(body: Body, rng: np.random.Generator) -> tuple[Floats, Floats, Floats, NDArray[np.intp]]:
     """Places (N, 3), unit normals (N, 3), half angles (N,) of lobes, and groups (N,) of corners, edges and faces.
 
-    Those of a ring or of a storey are of one group; now and then there is a mark on a face.
+    Those of a ring or of a storey are of one group.
     """
     normals = np.array([_normal(body.corners[face]) for face in body.faces])
     edges = sorted({(min(e), max(e)) for face in body.faces for e in zip(face, face[1:] + face[:1], strict=True)})
@@ -158,10 +156,6 @@ def _features(body: Body, rng: np.random.Generator) -> tuple[Floats, Floats, Flo
         (body.corners[face].mean(axis=0), normal, HALF_ANGLE, 1000 + storey)
         for face, normal, storey in zip(body.faces, normals, body.storey, strict=True)
     ]
-    if rng.random() < MARKED:
-        face = int(rng.integers(len(body.faces)))
-        corners = body.corners[body.faces[face]]
-        rows.append((0.6 * corners.mean(axis=0) + 0.25 * corners[0] + 0.15 * corners[1], normals[face], HALF_ANGLE, 2000))
     at, normal, half_angle, group = (np.array(column) for column in zip(*rows, strict=True))
     numbered = np.unique(group, return_inverse=True)[1]
     return at, normal / np.linalg.norm(normal, axis=1, keepdims=True), half_angle, np.asarray(numbered, np.intp)

@@ -11,7 +11,7 @@ from plogic.base.clock import unhurried
 from plogic.match.gamma.data import Data, project_ideal
 from plogic.match.hand.extend import Candidates, extend, firsts
 from plogic.match.hand.links import linked_poses
-from plogic.match.hand.place_votes import coarse_poses, pose_votes
+from plogic.match.hand.place_votes import Coarse, coarse_poses, pose_votes
 from plogic.match.hand.view_cells import DistanceMaps, distance_maps
 from plogic.match.judged.evidence import evidence
 from plogic.match.judged.expectation import FEWEST, matched, pose_of
@@ -27,7 +27,7 @@ if TYPE_CHECKING:
     from plogic.match.hand.place_index import PlaceIndex
     from plogic.match.judged.type_models import Found
 
-VOTED, VOTED_OF_TYPE = 4000, 2000
+VOTED, VOTED_OF_TYPE = 8000, 2000
 """Coarse poses that all features vote on: of triples, and of links of each type, the best by the votes of some."""
 REFINED = 160
 """Coarse poses that are refined, the best by votes and no two alike."""
@@ -46,15 +46,16 @@ def generate(
     kb: KnowledgeBase,
     covered: Mask | None = None,
     *,
+    coarse: Coarse | None = None,
     refined: int = REFINED,
     verified: int = VERIFIED,
     check: Callable[[], None] = unhurried,
 ) -> dict[str, Found]:
     """The best distinct poses of all types, by type, as (log-likelihood ratio against clutter, hypothesis), best first.
 
-    ``covered`` (H, W): where accepted opaque objects stand in the ideal image. ``refined``, ``verified``: how many
-    poses go that far. ``check`` is called between stages, and between blocks of what grows with Γ, and may raise to end
-    the search.
+    ``covered`` (H, W): where accepted opaque objects stand in the ideal image. ``coarse``: poses of triples of more
+    data, these among them. ``refined``, ``verified``: how many poses go that far. ``check`` is called between stages,
+    and between blocks of what grows with Γ, and may raise to end the search.
     """
     check()
     result: dict[str, Found] = {each.object_type.name: [] for each in index.indices}
@@ -62,20 +63,30 @@ def generate(
     if len(data.ids) < FEWEST or not allowed.any():
         return result
     maps = distance_maps(allowed, data, covered, check)
-    start = _coarse(index, data, maps, refined, check)
+    triples = of_triples(index, data, maps, check) if coarse is None or not coarse.whole else coarse
+    start = _apart(index, data, maps, triples, refined, check)
     check()
     found = extend(index, start, maps, data, kb.rates.match_tolerance)
     check()
-    scored = {name: [] for name in result}
+    scored: dict[str, Found] = {name: [] for name in result}
     for posed, hidden in _verified(found, index, maps, data, kb, verified, check):
         check()
         scored[posed.type].append((evidence(posed, data, kb, hidden).ratio, posed))
     return result | {kind: distinct(some, some[0][1].object_type) for kind, some in scored.items() if some}
 
 
-def _coarse(index: PlaceIndex, data: Data, maps: DistanceMaps, most: int, check: Callable[[], None]) -> Candidates:
+def of_triples(
+    index: PlaceIndex, data: Data, maps: DistanceMaps | None = None, check: Callable[[], None] = unhurried
+) -> Coarse:
+    """The coarse poses of all types that triples of the data vote for."""
+    own = maps or distance_maps(index.allowed(data), data, None, check)
+    return coarse_poses(index, data, own, VOTED, check)
+
+
+def _apart(
+    index: PlaceIndex, data: Data, maps: DistanceMaps, triples: Coarse, most: int, check: Callable[[], None]
+) -> Candidates:
     """The best coarse poses of all types, no two alike: of triples, and of links where junctions have arms."""
-    triples, _ = coarse_poses(index, data, maps, VOTED, check)
     kinds, linked = linked_poses(index, data, maps, VOTED_OF_TYPE, check)
     kind, poses = np.concatenate([triples.kind, kinds]), np.concatenate([triples.poses.astype(float), linked])
     check()

@@ -20,9 +20,10 @@ from geometry.bodies.resting import RestingFaces, resting_faces
 from kb.clouds.cloud import KnowledgeBase, ObjectType, Rates
 from plogic.facts.hypothesis import Hypothesis
 from plogic.match.gamma.data import Data, project_ideal
-from plogic.match.hand.generate import ROBUST, generate
+from plogic.match.hand.generate import ROBUST, generate, of_triples
 from plogic.match.hand.links import MOST_PAIRS, feature_links
 from plogic.match.hand.place_index import PlaceIndex, permutations, place_index, unique_sets
+from plogic.match.hand.place_votes import Coarse
 from plogic.match.hand.view_cells import ViewCells, view_cells
 from plogic.match.judged.evidence import sigmas_of
 from plogic.match.judged.expectation import matched, polished, pose_of, settled
@@ -217,7 +218,7 @@ class HandModels(TypeModels):
 
     def search(self, request: Request) -> Search:
         """The search for all types at once in one Γ, by this process alone: to copy it takes as long as to search."""
-        return HandSearch(self.places, request.kb, request.check)
+        return HandSearch(self.places, request)
 
     def make_ready(self) -> None:
         """Compute the index now."""
@@ -229,12 +230,20 @@ class HandSearch(Search):
     """The search for all types at once in what is left of Γ."""
 
     places: PlaceIndex
-    kb: KnowledgeBase
-    check: Callable[[], None]
+    request: Request
+
+    @cached_property
+    def coarse(self) -> Coarse:
+        """The poses that triples of the whole of Γ vote for: what is claimed later votes for none any more."""
+        return of_triples(self.places, self.request.data, check=self.request.check)
 
     def propose(self, names: Sequence[str], left: Data, given: Given) -> Generator[Found]:
         """The hypotheses of each type, settled; what accepted objects cover is not missed."""
-        found = generate(self.places, left, self.kb, covered_by(given.accepted, left), check=self.check) if names else {}
+        if names:
+            covered = covered_by(given.accepted, left)
+            found = generate(
+                self.places, left, self.request.kb, covered, coarse=self.coarse, check=self.request.check
+            )
         for name in names:
             given.seen(found[name])
             yield found[name]

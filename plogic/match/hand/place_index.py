@@ -27,7 +27,7 @@ from plogic.measures.distinctiveness import compatible
 if TYPE_CHECKING:
     from plogic.match.hand.hand_models import TypeIndex
 
-NEIGHBOURS = 8
+NEIGHBOURS = 10
 """Nearest features of a view cell among which the other two of a triple are sought."""
 MOST = 6_000
 """Triples of a type at most: those that are neighbours in the most view cells."""

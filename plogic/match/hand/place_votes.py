@@ -5,7 +5,7 @@ from the plane of the features to the image, the greater eigenvalue of AᵀA is 
 direction and size tell the slant, up to a reflection (Huttenlocher and Ullman 1990). Of these poses those are left
 whose view cell shows the three, and the other features vote.
 
-* ``Posed``: N poses of any types
+* ``Coarse``: N poses of any types
 * ``coarse_poses(index, data, ...)``: the best of them by votes
 """
 
@@ -26,13 +26,13 @@ from plogic.match.hand.view_cells import DistanceMaps
 
 Singles = NDArray[np.float32]
 
-NEIGHBOURS = 8
+NEIGHBOURS = 12
 """Nearest data among which the other two of a triple are sought."""
 NEAREST = 1.0
 """Pixels between two of a triple at least."""
 FLATTEST = np.cos(np.radians(78.0)) ** 2
 """Least foreshortening, squared: a wall seen at more than 78° shows nothing."""
-MOST = 400_000
+MOST = 1_000_000
 """Pairs of triples that are looked at: half of them the rarest, the others evenly of the rest (§5.1)."""
 BLOCK = 1 << 16
 """Pairs of triples at a time: about 30 MB."""
@@ -44,13 +44,22 @@ MISSED = np.float32(0.4)
 """What a feature without a datum near takes from the votes, against what one with a datum at its place gives."""
 
 
-@dataclass(frozen=True)
-class Posed(Columns):
-    """``kind`` (N,) types; ``poses`` (N, 4, 4) camera_from_object; ``worth`` (N,) votes."""
+class Coarse(NamedTuple):
+    """``kind`` (N,) types; ``poses`` (N, 4, 4) camera_from_object, the best by votes first.
+
+    ``whole``: whether all pairs of triples were looked at.
+    """
 
     kind: Indices
     poses: Singles
-    worth: Singles
+    whole: bool
+
+
+@dataclass(frozen=True)
+class _Voted(Columns):
+    kind: Indices  # (N,)
+    poses: Singles  # (N, 4, 4)
+    votes: Singles  # (N,)
 
 
 class ImageTriples(NamedTuple):
@@ -112,8 +121,8 @@ def turn_z_to(ray: Floats) -> Floats:
 
 def coarse_poses(
     index: PlaceIndex, data: Data, maps: DistanceMaps, most: int, check: Callable[[], None] = unhurried
-) -> tuple[Posed, bool]:
-    """The ``most`` poses of all types that the data vote for, best first, and whether every pair was looked at.
+) -> Coarse:
+    """The ``most`` poses of all types that the data vote for.
 
     ``maps`` of the index's sets of looks (``PlaceIndex.allowed``). ``check`` is called between blocks, and may raise to
     end it.
@@ -123,13 +132,13 @@ def coarse_poses(
     some = _rarest(high - low, MOST)
     row, entry = taken(low[some][:, None], high[some][:, None])
     row = some[row]
-    best = Posed(np.zeros(0, np.intp), np.zeros((0, 4, 4), np.float32), np.zeros(0, np.float32))
+    best = _Voted(np.zeros(0, np.intp), np.zeros((0, 4, 4), np.float32), np.zeros(0, np.float32))
     for start in range(0, len(row), BLOCK):
         check()
         found = _voted(index, data, maps, *_poses(index, image, row[start : start + BLOCK], entry[start : start + BLOCK], data))
-        best = Posed.joined([best, found])
-        best = best.take(np.argsort(-best.worth, kind="stable")[:most])
-    return best, len(some) == len(low)
+        best = _Voted.joined([best, found])
+        best = best.take(np.argsort(-best.votes, kind="stable")[:most])
+    return Coarse(best.kind, best.poses, len(some) == len(low))
 
 
 def _rarest(count: Indices, most: int) -> Indices:
@@ -188,11 +197,11 @@ def _posed(table, image, entry: Indices, row: Indices, affine: Singles, last: Si
 
 def _voted(
     index: PlaceIndex, data: Data, maps: DistanceMaps, kind: Indices, cell: Indices, entry: Indices, poses: Singles
-) -> Posed:
+) -> _Voted:
     """The poses with the votes of their cells' ``probes``, but for the three that made them."""
     probe = index.probes[kind, cell]
     asked = (probe >= 0) & (probe[:, :, None] != index.triples.features[entry][:, None]).all(axis=2)
-    return Posed(kind, poses, votes(index, data, maps, kind, poses, probe, asked))
+    return _Voted(kind, poses, votes(index, data, maps, kind, poses, probe, asked))
 
 
 def votes(
