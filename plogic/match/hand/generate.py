@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
@@ -27,17 +27,31 @@ if TYPE_CHECKING:
     from plogic.match.hand.place_index import PlaceIndex
     from plogic.match.judged.type_models import Found
 
-VOTED, VOTED_OF_TYPE = 8000, 2000
-"""Coarse poses that all features vote on: of triples, and of links of each type, the best by the votes of some."""
-REFINED = 160
-"""Coarse poses that are refined, the best by votes and no two alike."""
+LINKED = 2000
+"""Coarse poses of links of a type that all features vote on: the best by the votes of its anchors."""
+
+
+class Width(NamedTuple):
+    """How many poses go on: of triples, the best by ``votes`` of some features; no two alike, ``refined``; ``verified``.
+
+    Rays are cast for the last.
+    """
+
+    votes: int
+    refined: int
+    verified: int
+
+
+def usual(types: int) -> Width:
+    """Of so many types."""
+    return Width(1000 + 150 * types, 60 + 8 * types, 12 + types)
+
+
 ALIKE = float(np.radians(12.0)), 0.08
 """Two coarse poses of a type are alike that differ by less, radians, and share of the distance."""
 ROBUST = 0.25
 """Pixels beyond which a match weighs less in the last refinement: a wrong match within the tolerance must not pull the
 pose."""
-VERIFIED = 24
-"""Refined poses that rays are cast for."""
 
 
 def generate(
@@ -47,14 +61,13 @@ def generate(
     covered: Mask | None = None,
     *,
     coarse: Coarse | None = None,
-    refined: int = REFINED,
-    verified: int = VERIFIED,
+    width: Width | None = None,
     check: Callable[[], None] = unhurried,
 ) -> dict[str, Found]:
     """The best distinct poses of all types, by type, as (log-likelihood ratio against clutter, hypothesis), best first.
 
     ``covered`` (H, W): where accepted opaque objects stand in the ideal image. ``coarse``: poses of triples of more
-    data, these among them. ``refined``, ``verified``: how many poses go that far. ``check`` is called between stages,
+    data, these among them. ``width``: how many poses go on, by default as is usual. ``check`` is called between stages,
     and between blocks of what grows with Γ, and may raise to end the search.
     """
     check()
@@ -63,31 +76,31 @@ def generate(
     if len(data.ids) < FEWEST or not allowed.any():
         return result
     maps = distance_maps(allowed, data, covered, check)
-    triples = of_triples(index, data, maps, check) if coarse is None or not coarse.whole else coarse
-    start = _apart(index, data, maps, triples, refined, check)
+    width = width or usual(len(index.indices))
+    start = _apart(index, data, maps, coarse or coarse_poses(index, data, maps, width.votes, check), width.refined, check)
     check()
     found = extend(index, start, maps, data, kb.rates.match_tolerance)
     check()
     scored: dict[str, Found] = {name: [] for name in result}
-    for posed, hidden in _verified(found, index, maps, data, kb, verified, check):
+    for posed, hidden in _verified(found, index, maps, data, kb, width.verified, check):
         check()
         scored[posed.type].append((evidence(posed, data, kb, hidden).ratio, posed))
     return result | {kind: distinct(some, some[0][1].object_type) for kind, some in scored.items() if some}
 
 
 def of_triples(
-    index: PlaceIndex, data: Data, maps: DistanceMaps | None = None, check: Callable[[], None] = unhurried
+    index: PlaceIndex, data: Data, check: Callable[[], None] = unhurried
 ) -> Coarse:
     """The coarse poses of all types that triples of the data vote for."""
-    own = maps or distance_maps(index.allowed(data), data, None, check)
-    return coarse_poses(index, data, own, VOTED, check)
+    maps = distance_maps(index.allowed(data), data, None, check)
+    return coarse_poses(index, data, maps, usual(len(index.indices)).votes, check)
 
 
 def _apart(
     index: PlaceIndex, data: Data, maps: DistanceMaps, triples: Coarse, most: int, check: Callable[[], None]
 ) -> Candidates:
     """The best coarse poses of all types, no two alike: of triples, and of links where junctions have arms."""
-    kinds, linked = linked_poses(index, data, maps, VOTED_OF_TYPE, check)
+    kinds, linked = linked_poses(index, data, maps, LINKED, check)
     kind, poses = np.concatenate([triples.kind, kinds]), np.concatenate([triples.poses.astype(float), linked])
     check()
     worth = pose_votes(index, data, maps, kind, poses)

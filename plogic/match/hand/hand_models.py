@@ -20,7 +20,7 @@ from geometry.bodies.resting import RestingFaces, resting_faces
 from kb.clouds.cloud import KnowledgeBase, ObjectType, Rates
 from plogic.facts.hypothesis import Hypothesis
 from plogic.match.gamma.data import Data, project_ideal
-from plogic.match.hand.generate import ROBUST, generate, of_triples
+from plogic.match.hand.generate import ROBUST, Width, generate, of_triples
 from plogic.match.hand.links import MOST_PAIRS, feature_links
 from plogic.match.hand.place_index import PlaceIndex, permutations, place_index, unique_sets
 from plogic.match.hand.place_votes import Coarse
@@ -32,6 +32,8 @@ from plogic.measures.distinctiveness import compatible, rank
 
 CELLS_TRIED = 24
 """View cells whose rank is taken for the tie-break of attention, about: every so many-th of them."""
+EVERY = 8_000
+"""Coarse poses that all features vote on where none is left out to save time."""
 ANCHORS = 16
 """Features that seeds and pairs are made of: the most distinctive ones."""
 
@@ -121,7 +123,7 @@ class TypeIndex:
 
     def proposals(self, data: Data, kb: KnowledgeBase, most: int) -> Found:
         """The hypotheses that the whole of Γ suggests, at most ``most`` of them refined."""
-        return generate(place_index([self]), data, kb, refined=most, verified=most)[self.object_type.name]
+        return generate(place_index([self]), data, kb, width=Width(EVERY, most, most))[self.object_type.name]
 
     def settle(
         self,
@@ -225,28 +227,35 @@ class HandModels(TypeModels):
         self.places.make_ready()
 
 
-@dataclass(frozen=True, eq=False)
+FEWER = 0.7
+"""Where not all pairs of triples could be looked at, they are looked at again when so small a share of the data is left."""
+
+
+@dataclass(eq=False)
 class HandSearch(Search):
-    """The search for all types at once in what is left of Γ."""
+    """The search for all types at once in what is left of Γ.
+
+    ``coarse``: the poses that triples of more data vote for; what was claimed later votes for none any more.
+    """
 
     places: PlaceIndex
     request: Request
-
-    @cached_property
-    def coarse(self) -> Coarse:
-        """The poses that triples of the whole of Γ vote for: what is claimed later votes for none any more."""
-        return of_triples(self.places, self.request.data, check=self.request.check)
+    coarse: Coarse | None = None
 
     def propose(self, names: Sequence[str], left: Data, given: Given) -> Generator[Found]:
         """The hypotheses of each type, settled; what accepted objects cover is not missed."""
-        if names:
-            covered = covered_by(given.accepted, left)
-            found = generate(
-                self.places, left, self.request.kb, covered, coarse=self.coarse, check=self.request.check
-            )
+        found = self._found(left, given) if names else {}
         for name in names:
             given.seen(found[name])
             yield found[name]
+
+    def _found(self, left: Data, given: Given) -> dict[str, Found]:
+        kb, check = self.request.kb, self.request.check
+        if self.coarse is None or len(left.ids) > self.coarse.among:
+            self.coarse = of_triples(self.places, self.request.data, check)
+        elif not self.coarse.whole and len(left.ids) < FEWER * self.coarse.among:
+            self.coarse = of_triples(self.places, left, check)
+        return generate(self.places, left, kb, covered_by(given.accepted, left), coarse=self.coarse, check=check)
 
 
 def covered_by(posed: Iterable[Hypothesis], data: Data) -> Mask:

@@ -106,9 +106,19 @@ class PlaceIndex:
         whole = Triples.joined(found)
         return whole.take(np.argsort(whole.key, kind="stable"))
 
+    @cached_property
+    def at(self) -> NDArray[np.float32]:
+        """(3, T, F) m, the places of the features."""
+        return np.ascontiguousarray(np.moveaxis(self.points, 2, 0), np.float32)
+
+    @cached_property
+    def middles(self) -> NDArray[np.float32]:
+        """(3, T) m, the centres."""
+        return np.ascontiguousarray(self.centres.T, np.float32)
+
     def make_ready(self) -> None:
         """Compute now what is otherwise computed when it is first asked for."""
-        _ = self.triples, self.probes, self.cell_map, self.values
+        _ = self.triples, self.at, self.middles, self.probes, self.cell_map, self.values
 
     @cached_property
     def probes(self) -> Indices:

@@ -17,11 +17,11 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from geometry.arrays import Floats, Indices, lengths
+from geometry.arrays import Floats, Indices, Mask, lengths
 from plogic.base.clock import unhurried
 from plogic.match.gamma.data import Columns, Data, blocks, centre_of, viewpoints_of
 from plogic.match.gamma.grid import taken
-from plogic.match.hand.place_index import FLAT, PlaceIndex
+from plogic.match.hand.place_index import FLAT, PROBES, PlaceIndex
 from plogic.match.hand.view_cells import DistanceMaps
 
 Singles = NDArray[np.float32]
@@ -32,12 +32,15 @@ NEAREST = 1.0
 """Pixels between two of a triple at least."""
 FLATTEST = np.cos(np.radians(78.0)) ** 2
 """Least foreshortening, squared: a wall seen at more than 78° shows nothing."""
-MOST = 1_000_000
-"""Pairs of triples that are looked at: half of them the rarest, the others evenly of the rest (§5.1)."""
-BLOCK = 1 << 16
-"""Pairs of triples at a time: about 30 MB."""
+MOST, MOST_OF_TYPE = 60_000, 30_000
+"""Pairs of triples that are looked at, and so many more a type: half of them the rarest, the others evenly of the rest
+(§5.1)."""
+BLOCK = 1 << 14
+"""Pairs of triples at a time: about 8 MB."""
 SMALLEST, LARGEST = 12.0, 2.0
 """Pixels across, and image heights, of an object at least and at most."""
+EARLY, GO_ON = 5, 0.3
+"""Probes that vote first, and the share of the poses that the others vote on, too."""
 REACH, SHARP = np.float32(0.1), np.float32(4.0)
 """Share of the size within which a datum is near; half of a vote is for coming so many times nearer."""
 MISSED = np.float32(0.4)
@@ -47,11 +50,12 @@ MISSED = np.float32(0.4)
 class Coarse(NamedTuple):
     """``kind`` (N,) types; ``poses`` (N, 4, 4) camera_from_object, the best by votes first.
 
-    ``whole``: whether all pairs of triples were looked at.
+    ``among``: of how many data they are; ``whole``: whether all pairs of triples were looked at.
     """
 
     kind: Indices
     poses: Singles
+    among: int
     whole: bool
 
 
@@ -129,7 +133,7 @@ def coarse_poses(
     """
     image, table = image_triples(index, data, check), index.triples
     low, high = (np.searchsorted(table.key, image.key, side) for side in ("left", "right"))
-    some = _rarest(high - low, MOST)
+    some = _rarest(high - low, MOST + MOST_OF_TYPE * len(index.indices))
     row, entry = taken(low[some][:, None], high[some][:, None])
     row = some[row]
     best = _Voted(np.zeros(0, np.intp), np.zeros((0, 4, 4), np.float32), np.zeros(0, np.float32))
@@ -138,7 +142,7 @@ def coarse_poses(
         found = _voted(index, data, maps, *_poses(index, image, row[start : start + BLOCK], entry[start : start + BLOCK], data))
         best = _Voted.joined([best, found])
         best = best.take(np.argsort(-best.votes, kind="stable")[:most])
-    return Coarse(best.kind, best.poses, len(some) == len(low))
+    return Coarse(best.kind, best.poses, len(data.ids), len(some) == len(low))
 
 
 def _rarest(count: Indices, most: int) -> Indices:
@@ -198,32 +202,55 @@ def _posed(table, image, entry: Indices, row: Indices, affine: Singles, last: Si
 def _voted(
     index: PlaceIndex, data: Data, maps: DistanceMaps, kind: Indices, cell: Indices, entry: Indices, poses: Singles
 ) -> _Voted:
-    """The poses with the votes of their cells' ``probes``, but for the three that made them."""
-    probe = index.probes[kind, cell]
-    asked = (probe >= 0) & (probe[:, :, None] != index.triples.features[entry][:, None]).all(axis=2)
-    return _Voted(kind, poses, votes(index, data, maps, kind, poses, probe, asked))
+    """The poses with the votes of their cells' probes, but for the three that made them.
+
+    The first few of these leave out what they vote for least.
+    """
+    votes, kept = np.zeros(len(kind), np.float32), np.arange(len(kind))
+    for first, last in ((0, EARLY), (EARLY, PROBES)):
+        if first:
+            kept = np.sort(np.argpartition(-votes, int(GO_ON * len(votes)))[: int(GO_ON * len(votes))]) if len(votes) else kept
+        probe = index.probes[kind[kept], cell[kept], first:last]
+        three = index.triples.features[entry[kept]]
+        asked = probe >= 0
+        for k in range(3):
+            asked &= probe != three[:, k, None]
+        votes[kept] += votes_of(index, data, maps, kind[kept], poses[kept], probe, asked)
+    return _Voted(kind[kept], poses[kept], votes[kept])
 
 
-def votes(
-    index: PlaceIndex, data: Data, maps: DistanceMaps, kind: Indices, poses: Singles, features: Indices, asked: NDArray
+def votes_of(
+    index: PlaceIndex,
+    data: Data,
+    maps: DistanceMaps,
+    kind: Indices,
+    poses: Singles,
+    features: Indices,
+    asked: Mask,
 ) -> Singles:
     """(N,) of ``features`` (N, K), where they are ``asked``: how many have a datum near, less what is missed."""
-    points = index.points.astype(np.float32)[kind[:, None], features]
-    local = points @ np.swapaxes(poses[:, :3, :3], 1, 2) + poses[:, None, :3, 3]
-    front = local[..., 2] > 1e-6
-    scale = np.float32(data.camera.f) / np.where(front, local[..., 2], np.float32(np.inf))
-    places = local[..., :2] * scale[..., None] + centre_of(data.camera).astype(np.float32)
+    at = index.at[:, kind[:, None], features]
+    (x, y, z), focal = (_along(poses[:, k], at) for k in range(3)), np.float32(data.camera.f)
+    scale = focal / np.where(z > 1e-6, z, np.float32(np.inf))
+    middle = centre_of(data.camera).astype(np.float32)
+    places = np.stack([x * scale + middle[0], y * scale + middle[1]], axis=-1)
     distance, covered = maps.seen_at(places, index.shown[kind[:, None], features])
-    depth = np.maximum(np.einsum("nj,nj->n", poses[:, 2, :3], index.centres.astype(np.float32)[kind]) + poses[:, 2, 3], 1e-6)
-    reach = REACH * np.float32(data.camera.f) * index.diameters.astype(np.float32)[kind] / depth
-    share = np.minimum(distance / reach[:, None], 1)
-    vote = (1 - share + np.maximum(1 - SHARP * share, 0)) / 2
-    asked = asked & ~covered
-    return np.asarray(((vote * (1 + MISSED) - MISSED) * asked).sum(axis=1))
+    depth = _along(poses[:, 2], index.middles[:, kind][..., None])
+    sharper = np.maximum(depth, 1e-6) / (REACH * focal * index.diameters.astype(np.float32)[kind][:, None])
+    share = np.minimum(distance * sharper, 1)
+    vote = 1 - share + np.maximum(1 - SHARP * share, 0)
+    return np.asarray(((vote * ((1 + MISSED) / 2) - MISSED) * (asked & ~covered)).sum(axis=1))
+
+
+def _along(row: Singles, at: Singles) -> Singles:
+    """(N, K) one coordinate in the camera's frame of places (3, N, K), by a row (N, 4) of each pose."""
+    a, b, c, d = (row[:, k, None] for k in range(4))
+    x, y, z = at
+    return np.asarray(a * x + b * y + c * z + d)
 
 
 def pose_votes(index: PlaceIndex, data: Data, maps: DistanceMaps, kind: Indices, poses: Floats) -> Singles:
     """(N,) the votes of all features that the view cells of poses (N, 4, 4) show."""
     cell = index.cells_of((viewpoints_of(poses) - index.centres[kind]).T)
     every = np.broadcast_to(np.arange(index.own.shape[1]), (len(kind), index.own.shape[1]))
-    return votes(index, data, maps, kind, poses.astype(np.float32), every, index.visible[kind, cell])
+    return votes_of(index, data, maps, kind, poses.astype(np.float32), every, index.visible[kind, cell])
