@@ -109,6 +109,8 @@ def _claims(rows: Sequence[dict[str, Any]]) -> list[Claim]:
             Claim(f"{row['types']} types: seconds of search, median", "<=", slower * MEDIAN, row["median s"]),
             Claim(f"{row['types']} types: seconds of search, 95th percentile", "<=", slower * MOST, row["95 % s"]),
             Claim(f"{row['types']} types: at least half visible, found", ">=", IDENTITY, row["found"] / there),
-            Claim(f"{row['types']} types: at least half visible, found and posed right", ">=", POSE, row["posed"] / there),
+            Claim(
+                f"{row['types']} types: at least half visible, found and posed right", ">=", POSE, row["posed"] / there
+            ),
         ]
     return claims

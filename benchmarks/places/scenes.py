@@ -51,9 +51,7 @@ def scene(kb: KnowledgeBase, seed: int) -> tuple[Gamma, tuple[Truth, ...]]:
     names = [name for some, _ in own for name in some] + rng.choice(kb.appearance_types, count).tolist()
     uv = np.concatenate([*(uv for _, uv in own), noise])
     order = rng.permutation(len(names))
-    data = (
-        Appearance(f"d{n}", names[i], (float(uv[i, 0]), float(uv[i, 1])), "simulated") for n, i in enumerate(order)
-    )
+    data = (Appearance(f"d{n}", names[i], (float(uv[i, 0]), float(uv[i, 1])), "simulated") for n, i in enumerate(order))
     return Gamma(CAMERA, tuple(data)), truths
 
 

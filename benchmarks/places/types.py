@@ -91,7 +91,7 @@ def polyhedron(name: str, names: Sequence[str], rng: np.random.Generator) -> Obj
     """A type: a feature at each corner, in the middle of each face, and of each edge where that is not too many."""
     regular = bool(rng.random() < REGULAR)
     body = stacked(rng, regular=regular)
-    at, normal, half_angle, group = _features(body, rng)
+    at, normal, half_angle, group = _features(body)
     own = group if regular else np.arange(len(at))
     shown = rng.integers(len(names), size=len(at))[own]
     kind = made(name, surface_of(body), at, body_frames(normal, rng), [names[i] for i in shown], half_angle)
@@ -107,7 +107,9 @@ def stacked(rng: np.random.Generator, *, regular: bool) -> Body:
         around = around + rng.uniform(-0.3, 0.3, sides) * 2.0 * np.pi / sides
     across = np.ones(2) if regular else rng.uniform(0.6, 1.0, 2)
     way, high = np.column_stack([np.cos(around), np.sin(around)]) * across, rng.uniform(0.8, 2.0)
-    corners, rings, own = [], [], []
+    corners: list[list[float]] = []
+    rings: list[list[int]] = []
+    own: list[int] = []
     for level, (height, width) in enumerate(profile):
         number = sides if width else 1
         rings.append(list(range(len(corners), len(corners) + number)))
@@ -137,7 +139,7 @@ def surface_of(body: Body) -> Surface:
     return Surface(body.corners, np.array(fans))
 
 
-def _features(body: Body, rng: np.random.Generator) -> tuple[Floats, Floats, Floats, NDArray[np.intp]]:
+def _features(body: Body) -> tuple[Floats, Floats, Floats, NDArray[np.intp]]:
     """Places (N, 3), unit normals (N, 3), half angles (N,) of lobes, and groups (N,) of corners, edges and faces.
 
     Those of a ring or of a storey are of one group.
@@ -146,10 +148,15 @@ def _features(body: Body, rng: np.random.Generator) -> tuple[Floats, Floats, Flo
     edges = sorted({(min(e), max(e)) for face in body.faces for e in zip(face, face[1:] + face[:1], strict=True)})
     if len(body.corners) + len(body.faces) + len(edges) >= FEATURES[1]:
         edges = []
-    some = [((v,), body.ring[v], CORNER) for v in range(len(body.corners))]
+    some: list[tuple[tuple[int, ...], int, float]] = [((v,), body.ring[v], CORNER) for v in range(len(body.corners))]
     some += [(edge, 100 + 10 * body.ring[edge[0]] + body.ring[edge[1]], CORNER) for edge in edges]
     rows = [
-        (body.corners[list(own)].mean(axis=0), normals[[set(own) <= set(face) for face in body.faces]].sum(axis=0), wide, group)
+        (
+            body.corners[list(own)].mean(axis=0),
+            normals[[set(own) <= set(face) for face in body.faces]].sum(axis=0),
+            wide,
+            group,
+        )
         for own, group, wide in some
     ]
     rows += [
@@ -167,7 +174,7 @@ def _normal(corners: Floats) -> Floats:
 
 
 def symmetries(at: Floats, shown: NDArray[np.intp]) -> Floats:
-    """(S, 4, 4) the turns about the axis, and the half turns across it, that carry each feature (N, 3) onto its like."""
+    """(S, 4, 4) the turns about the axis, and half turns across it, that carry each feature (N, 3) onto its like."""
     turns = [np.pi * np.array([0.0, 0.0, 2.0 * k / n]) for n in range(1, SIDES[1] + 1) for k in range(n)]
     across = np.arange(2 * SIDES[1] * 5) * np.pi / (2 * SIDES[1] * 5)
     turns += [np.pi * np.array([np.cos(angle), np.sin(angle), 0.0]) for angle in across]

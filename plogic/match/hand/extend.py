@@ -3,7 +3,6 @@
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from geometry.arrays import Floats, Indices, Mask
 from geometry.poses.refine import Steps, refined_poses
@@ -39,7 +38,10 @@ class Candidates(Columns):
 
 @dataclass(frozen=True)
 class Shown(Columns):
-    """Of N poses, ``places`` (N, F, 2) of the features, ideal px, and the nearest cell's ``visible`` ones (N, F)."""
+    """Of N poses, ``places`` (N, F, 2) of the features, ideal px, and the nearest cell's ``visible`` ones (N, F).
+
+    ``sets`` (N, F): as what they look; ``size`` (N,) projected diameters, px.
+    """
 
     places: Floats
     visible: Mask
@@ -48,7 +50,7 @@ class Shown(Columns):
 
 
 def shown(index: PlaceIndex, kind: Indices, poses: Floats, data: Data) -> Shown:
-    """Where the features of poses (N, 4, 4) are on the screen; ``size`` (N,) projected diameters, px."""
+    """Where the features of poses (N, 4, 4) are on the screen."""
     local = index.points[kind] @ np.swapaxes(poses[:, :3, :3], 1, 2) + poses[:, None, :3, 3]
     depth = np.where(local[..., 2] > 1e-6, local[..., 2], np.nan)
     places = local[..., :2] / depth[..., None] * data.camera.f + centre_of(data.camera)

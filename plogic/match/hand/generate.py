@@ -32,9 +32,9 @@ LINKED = 2000
 
 
 class Width(NamedTuple):
-    """How many poses go on: of triples, the best by ``votes`` of some features; no two alike, ``refined``; ``verified``.
+    """How many poses go on: of triples, those of most ``votes`` of some features; of these, no two alike, ``refined``.
 
-    Rays are cast for the last.
+    Of these, with rays cast, ``verified``.
     """
 
     votes: int
@@ -77,7 +77,9 @@ def generate(
         return result
     maps = distance_maps(allowed, data, covered, check)
     width = width or usual(len(index.indices))
-    start = _apart(index, data, maps, coarse or coarse_poses(index, data, maps, width.votes, check), width.refined, check)
+    start = _apart(
+        index, data, maps, coarse or coarse_poses(index, data, maps, width.votes, check), width.refined, check
+    )
     check()
     found = extend(index, start, maps, data, kb.rates.match_tolerance)
     check()
@@ -88,9 +90,7 @@ def generate(
     return result | {kind: distinct(some, some[0][1].object_type) for kind, some in scored.items() if some}
 
 
-def of_triples(
-    index: PlaceIndex, data: Data, check: Callable[[], None] = unhurried
-) -> Coarse:
+def of_triples(index: PlaceIndex, data: Data, check: Callable[[], None] = unhurried) -> Coarse:
     """The coarse poses of all types that triples of the data vote for."""
     maps = distance_maps(index.allowed(data), data, None, check)
     return coarse_poses(index, data, maps, usual(len(index.indices)).votes, check)
@@ -103,7 +103,7 @@ def _apart(
     kinds, linked = linked_poses(index, data, maps, LINKED, check)
     kind, poses = np.concatenate([triples.kind, kinds]), np.concatenate([triples.poses.astype(float), linked])
     check()
-    worth = pose_votes(index, data, maps, kind, poses)
+    worth = pose_votes(index, data, maps, kind, poses).astype(float)
     middles = np.einsum("nij,nj->ni", poses[:, :3, :3], index.centres[kind]) + poses[:, :3, 3]
     some = apart(poses, middles, worth, most, ALIKE, kind)
     return Candidates(kind[some], poses[some], np.zeros((len(some), 0), np.intp), worth[some])
@@ -134,7 +134,10 @@ def _verified(
     best = _distinct(found, index, most)
     kinds = found.kind[best].tolist()
     first = [at(kind, pose) for kind, pose in zip(kinds, found.poses[best], strict=True)]
-    used, matches = np.zeros((len(first), index.own.shape[1]), bool), np.zeros((len(first), index.own.shape[1]), np.intp)
+    used, matches = (
+        np.zeros((len(first), index.own.shape[1]), bool),
+        np.zeros((len(first), index.own.shape[1]), np.intp),
+    )
     precision = np.zeros(used.shape)
     for row, (kind, (posed, hidden)) in enumerate(zip(kinds, first, strict=True)):
         count = len(posed.matches)

@@ -6,7 +6,7 @@
 """
 
 from collections import Counter
-from collections.abc import Callable, Generator, Iterable, Mapping, Sequence
+from collections.abc import Generator, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from math import log
@@ -228,7 +228,7 @@ class HandModels(TypeModels):
 
 
 FEWER = 0.7
-"""Where not all pairs of triples could be looked at, they are looked at again when so small a share of the data is left."""
+"""Where not all pairs of triples could be looked at, they are again when so small a share of the data is left."""
 
 
 @dataclass(eq=False)

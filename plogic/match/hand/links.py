@@ -247,7 +247,9 @@ def votes(
 def linked_poses(
     index: PlaceIndex, data: Data, maps: DistanceMaps, most: int, check: Callable[[], None] = unhurried
 ) -> tuple[Indices, Floats]:
-    """Types (N,) and poses (N, 4, 4) of the links of all types on those of Γ: of each type the ``most`` that the anchors vote for.
+    """Types (N,) and poses (N, 4, 4) of the links of all types on those of Γ.
+
+    Of each type the ``most`` that the anchors vote for.
 
     ``check`` is called between types, and blocks, and may raise to end it.
     """
@@ -262,11 +264,17 @@ def linked_poses(
 
 
 def _of_type(
-    each: "TypeIndex", sets: Indices, allowed: Mask, data: Data, maps: DistanceMaps, most: int, check: Callable[[], None]
+    each: "TypeIndex",
+    sets: Indices,
+    allowed: Mask,
+    data: Data,
+    maps: DistanceMaps,
+    most: int,
+    check: Callable[[], None],
 ) -> Floats:
     """Links have anchors at both ends, and data that these look like."""
     own = allowed[sets[: len(each.points)]]
-    anchored = own[each.anchors].any(axis=0)
+    anchored = np.asarray(own[each.anchors].any(axis=0))
     some, columns = data.only(anchored), np.flatnonzero(anchored)
     scales = SMALLEST / each.cells.diameter, LARGEST * data.camera.height / each.cells.diameter
     found = linked_pairs(each.cells, each.links, own[:, columns], some, scales, check)

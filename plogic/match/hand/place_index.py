@@ -13,7 +13,7 @@ from dataclasses import dataclass
 from functools import cached_property
 from itertools import combinations, product
 from itertools import permutations as orders
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -90,9 +90,9 @@ class PlaceIndex:
     @cached_property
     def values(self) -> Floats:
         """(T, F) what each feature is worth: its dv, and a little more; 0 of none."""
-        return np.stack([
-            np.pad(LEAST_VALUE + index.weights, (0, self.own.shape[1] - len(index.weights))) for index in self.indices
-        ])
+        return np.stack(
+            [np.pad(LEAST_VALUE + index.weights, (0, self.own.shape[1] - len(index.weights))) for index in self.indices]
+        )
 
     @property
     def directions(self) -> Floats:
@@ -138,7 +138,7 @@ class PlaceIndex:
         way = np.stack([x - np.copysign(under, x), y - np.copysign(under, y), z], axis=-1)
         return np.asarray((way @ self.directions.T).argmax(axis=2).astype(np.int16))
 
-    def cells_of(self, way: NDArray[np.float32]) -> Indices:
+    def cells_of(self, way: NDArray[np.floating[Any]]) -> Indices:
         """(N,) the view cell, about the nearest, of directions (3, N) of any length."""
         x, y, z = way / np.maximum(np.abs(way).sum(axis=0), np.float32(1e-12))
         under = z < 0.0
@@ -178,8 +178,7 @@ def _features(index: "TypeIndex") -> Sequence[Feature]:
 def _triples_of(index: PlaceIndex, kind: int) -> Triples:
     """The triples of one type, in no order."""
     own, points = index.indices[kind], index.indices[kind].points
-    sets = neighbours(own.cells)
-    sets = sets[unique_sets(sets, permutations(points, own.object_type.symmetries), ordered=False)]
+    sets = least_sets(neighbours(own.cells), permutations(points, own.object_type.symmetries))
     three, looks = _by_looks(sets, _looks_of(index, kind))
     u, v = (points[three[:, k]] - points[three[:, 0]] for k in (1, 2))
     cross, size = np.cross(u, v), lengths(u) * lengths(v)
@@ -236,9 +235,7 @@ def neighbours(cells: ViewCells) -> Indices:
     there = np.isfinite(np.take_along_axis(apart, order, axis=2))
     one, other = np.array(list(combinations(range(near), 2)), np.intp).T
     cell, first, pair = np.nonzero(there[:, :, one] & there[:, :, other])
-    three = np.sort(
-        np.column_stack([first, order[cell, first, one[pair]], order[cell, first, other[pair]]]), axis=1
-    )
+    three = np.sort(np.column_stack([first, order[cell, first, one[pair]], order[cell, first, other[pair]]]), axis=1)
     code, often = np.unique(three @ np.array([count * count, count, 1]), return_counts=True)
     code = code[np.argsort(-often, kind="stable")]
     return np.column_stack([code // (count * count), code // count % count, code % count])
@@ -258,13 +255,24 @@ def permutations(points: Floats, symmetries: Floats) -> Indices:
     return np.array(rows, dtype=np.intp).reshape(-1, len(points))
 
 
-def unique_sets(rows: Indices, moves: Indices, *, ordered: bool = True) -> Mask:
+def least_sets(sets: Indices, moves: Indices) -> Indices:
+    """One of each family of sets (N, k), in increasing order, that the permutations (S, F) carry onto each other.
+
+    The least, in the order in which the families come.
+    """
+    base = moves.shape[1] ** np.arange(sets.shape[1])[::-1]
+    carried = np.sort(moves[:, sets], axis=2)
+    code = carried @ base
+    first = np.sort(np.unique(code.min(axis=0), return_index=True)[1])
+    return np.asarray(carried[code.argmin(axis=0)[first], first])
+
+
+def unique_sets(rows: Indices, moves: Indices) -> Mask:
     """(N,) one of each family of rows (N, k) of feature indices that the permutations (S, F) carry onto each other.
 
-    The least. Rows that are not ``ordered`` are sets, in increasing order.
+    The least.
     """
-    if not len(rows) or not len(moves):
-        return np.ones(len(rows), dtype=bool)
+    if not len(rows):
+        return np.zeros(0, dtype=bool)
     base = moves.shape[1] ** np.arange(rows.shape[1])[::-1]
-    carried = moves[:, rows] if ordered else np.sort(moves[:, rows], axis=2)
-    return np.asarray((carried @ base).min(axis=0) == rows @ base)
+    return np.asarray((moves[:, rows] @ base).min(axis=0) == rows @ base)

@@ -21,7 +21,7 @@ from geometry.arrays import Floats, Indices, Mask, lengths
 from plogic.base.clock import unhurried
 from plogic.match.gamma.data import Columns, Data, blocks, centre_of, viewpoints_of
 from plogic.match.gamma.grid import taken
-from plogic.match.hand.place_index import FLAT, PROBES, PlaceIndex
+from plogic.match.hand.place_index import FLAT, PROBES, PlaceIndex, Triples
 from plogic.match.hand.view_cells import DistanceMaps
 
 Singles = NDArray[np.float32]
@@ -66,12 +66,14 @@ class _Voted(Columns):
     votes: Singles  # (N,)
 
 
-class ImageTriples(NamedTuple):
-    """``key`` (N,) as in ``Triples``; ``frame`` (N, 3, 3) turns the optical axis to the first's ray.
+@dataclass(frozen=True)
+class ImageTriples(Columns):
+    """``data`` (N, 3); ``key`` (N,) as in ``Triples``; ``frame`` (N, 3, 3) turns the optical axis to the first's ray.
 
     ``sides`` (N, 2, 2): columns are the second and third from the first in the plane square to that ray, tangents.
     """
 
+    data: Indices
     key: NDArray[np.int64]
     frame: Singles
     sides: Singles
@@ -93,6 +95,7 @@ def image_triples(index: PlaceIndex, data: Data, check: Callable[[], None] = unh
     frame = turn_z_to(rays[:, 0])
     local = np.einsum("nji,nkj->nki", frame, rays[:, 1:])
     return ImageTriples(
+        members[three],
         looks[members[three]] @ np.array([count * count, count, 1]),
         frame.astype(np.float32),
         np.swapaxes(local[..., :2] / local[..., 2:], 1, 2).astype(np.float32),
@@ -139,7 +142,9 @@ def coarse_poses(
     best = _Voted(np.zeros(0, np.intp), np.zeros((0, 4, 4), np.float32), np.zeros(0, np.float32))
     for start in range(0, len(row), BLOCK):
         check()
-        found = _voted(index, data, maps, *_poses(index, image, row[start : start + BLOCK], entry[start : start + BLOCK], data))
+        found = _voted(
+            index, data, maps, *_poses(index, image, row[start : start + BLOCK], entry[start : start + BLOCK], data)
+        )
         best = _Voted.joined([best, found])
         best = best.take(np.argsort(-best.votes, kind="stable")[:most])
     return Coarse(best.kind, best.poses, len(data.ids), len(some) == len(low))
@@ -154,47 +159,74 @@ def _rarest(count: Indices, most: int) -> Indices:
     return np.sort(np.concatenate([order[:whole], rest[step // 2 :: step]]))
 
 
-def _poses(
-    index: PlaceIndex, image: ImageTriples, row: Indices, entry: Indices, data: Data
-) -> tuple[Indices, Indices, Indices, Singles]:
-    """Types, view cells, entries (N,) and poses (N, 4, 4) of those of both reflections whose cell shows the three."""
-    table, f = index.triples, data.camera.f
-    kind = table.kind[entry]
-    affine = image.sides[row] @ table.flat[entry]
+class _Laid(NamedTuple):
+    """N triples of the index laid onto triples of the image."""
+
+    kind: Indices  # (N,)
+    row: Indices  # (N,) of the image
+    entry: Indices  # (N,) of the index
+    affine: Singles  # (N, 2, 2) from the plane, m, to tangents
+    depth: Singles  # (N,) m, of the first
+    slant: Singles  # (2, N) how the plane's axes lie along the ray, up to a common sign
+    facing: Singles  # (N,) and how its normal does
+
+    def take(self, some: Indices) -> "_Laid":
+        """Some of them."""
+        kind, row, entry, affine, depth, slant, facing = self
+        return _Laid(kind[some], row[some], entry[some], affine[some], depth[some], slant[:, some], facing[some])
+
+
+def _laid(index: PlaceIndex, image: ImageTriples, row: Indices, entry: Indices, data: Data) -> _Laid:
+    """Those that are no steeper than ``FLATTEST``, and of a size that is believed."""
+    kind = index.triples.kind[entry]
+    affine = image.sides[row] @ index.triples.flat[entry]
     (a, b), (c, d) = np.moveaxis(affine, 0, 2)
     one, both, other = a * a + c * c, a * b + c * d, b * b + d * d
     middle, root = (one + other) / 2, np.hypot((one - other) / 2, both)
     square = np.maximum(middle + root, np.float32(1e-18))
-    size = np.sqrt(square) * (f * index.diameters).astype(np.float32)[kind]
+    slant = np.sqrt(np.maximum(1 - np.stack([one, other]) / square, 0))
+    slant[1] *= np.where(both > 0, -1, 1)
+    size = np.sqrt(square) * (data.camera.f * index.diameters).astype(np.float32)[kind]
     good = (middle - root > FLATTEST * square) & (size > SMALLEST) & (size < LARGEST * data.camera.height)
-    some = np.flatnonzero(good)
-    row, entry, kind, affine, square = row[some], entry[some], kind[some], affine[some], square[some]
-    slant = np.sqrt(np.maximum(1 - np.stack([one, other])[:, some] / square, 0))
-    slant[1] *= np.where(both[some] > 0, -1, 1)
-    depth, facing = 1 / np.sqrt(square), np.linalg.det(affine) / square
-    found = []
-    for sign in (np.float32(1), np.float32(-1)):
-        last = np.stack([sign * slant[0], sign * slant[1], facing], axis=1)  # the plane's axes along the ray
-        back = np.einsum("nj,njk->nk", last, table.axes[entry])
-        cell = index.cells_of((table.first[entry] - back * depth[:, None] - index.centres.astype(np.float32)[kind]).T)
-        three = table.features[entry]
-        shown = index.visible[kind, cell, three[:, 0]]
-        for k in (1, 2):
-            shown &= index.visible[kind, cell, three[:, k]]
-        here = np.flatnonzero(shown)
-        found.append((kind[here], cell[here], entry[here], _posed(table, image, entry[here], row[here], affine[here], last[here], depth[here])))
+    found = _Laid(kind, row, entry, affine, 1 / np.sqrt(square), slant, (a * d - b * c) / square)
+    return found.take(np.flatnonzero(good))
+
+
+def _poses(
+    index: PlaceIndex, image: ImageTriples, row: Indices, entry: Indices, data: Data
+) -> tuple[Indices, Indices, Indices, Singles]:
+    """Types, view cells, entries (N,) and poses (N, 4, 4) of those of both reflections whose cell shows the three."""
+    both = _laid(index, image, row, entry, data)
+    found = [_shown(index, image, both, np.float32(sign)) for sign in (1.0, -1.0)]
     kinds, cells, entries, poses = (np.concatenate(columns) for columns in zip(*found, strict=True))
     return kinds, cells, entries, poses
 
 
-def _posed(table, image, entry: Indices, row: Indices, affine: Singles, last: Singles, depth: Singles) -> Singles:
-    """(N, 4, 4) poses of triples laid onto each other; ``last`` (N, 3) how the plane's axes lie along the ray."""
-    columns = np.concatenate([affine * depth[:, None, None], last[:, None, :2]], axis=1)
+def _shown(
+    index: PlaceIndex, image: ImageTriples, laid: _Laid, sign: np.float32
+) -> tuple[Indices, Indices, Indices, Singles]:
+    """Those of one reflection."""
+    table, kind = index.triples, laid.kind
+    last = np.stack([*(sign * laid.slant), laid.facing], axis=1)
+    back = np.einsum("nj,njk->nk", last, table.axes[laid.entry])
+    view = table.first[laid.entry] - back * laid.depth[:, None] - index.middles[:, kind].T
+    cell, three = index.cells_of(view.T), table.features[laid.entry]
+    shown = index.visible[kind, cell, three[:, 0]]
+    for k in (1, 2):
+        shown &= index.visible[kind, cell, three[:, k]]
+    here = np.flatnonzero(shown)
+    some = laid.take(here)
+    return some.kind, cell[here], some.entry, _posed(table, image, some, last[here])
+
+
+def _posed(table: Triples, image: ImageTriples, laid: _Laid, last: Singles) -> Singles:
+    """(N, 4, 4) poses; ``last`` (N, 3) how the plane's axes lie along the ray."""
+    columns = np.concatenate([laid.affine * laid.depth[:, None, None], last[:, None, :2]], axis=1)
     plane = np.concatenate([columns, np.cross(columns[:, :, 0], columns[:, :, 1])[:, :, None]], axis=2)
-    poses = np.zeros((len(entry), 4, 4), np.float32)
-    poses[:, :3, :3] = image.frame[row] @ plane @ table.axes[entry]
-    poses[:, :3, 3] = image.frame[row][:, :, 2] * depth[:, None]
-    poses[:, :3, 3] -= np.einsum("nij,nj->ni", poses[:, :3, :3], table.first[entry])
+    frame, poses = image.frame[laid.row], np.zeros((len(last), 4, 4), np.float32)
+    poses[:, :3, :3] = frame @ plane @ table.axes[laid.entry]
+    poses[:, :3, 3] = frame[:, :, 2] * laid.depth[:, None]
+    poses[:, :3, 3] -= np.einsum("nij,nj->ni", poses[:, :3, :3], table.first[laid.entry])
     poses[:, 3, 3] = 1
     return poses
 
@@ -204,19 +236,17 @@ def _voted(
 ) -> _Voted:
     """The poses with the votes of their cells' probes, but for the three that made them.
 
-    The first few of these leave out what they vote for least.
+    What the first few of these vote for least is left out.
     """
-    votes, kept = np.zeros(len(kind), np.float32), np.arange(len(kind))
-    for first, last in ((0, EARLY), (EARLY, PROBES)):
-        if first:
-            kept = np.sort(np.argpartition(-votes, int(GO_ON * len(votes)))[: int(GO_ON * len(votes))]) if len(votes) else kept
-        probe = index.probes[kind[kept], cell[kept], first:last]
-        three = index.triples.features[entry[kept]]
-        asked = probe >= 0
-        for k in range(3):
-            asked &= probe != three[:, k, None]
-        votes[kept] += votes_of(index, data, maps, kind[kept], poses[kept], probe, asked)
-    return _Voted(kind[kept], poses[kept], votes[kept])
+
+    def voted(some: Indices, first: int, last: int) -> Singles:
+        probe, three = index.probes[kind[some], cell[some], first:last], index.triples.features[entry[some]]
+        asked = (probe >= 0) & (probe != three[:, :1]) & (probe != three[:, 1:2]) & (probe != three[:, 2:])
+        return votes_of(index, data, maps, kind[some], poses[some], probe, asked)
+
+    early = voted(np.arange(len(kind)), 0, EARLY)
+    best = np.sort(np.argsort(-early, kind="stable")[: int(np.ceil(GO_ON * len(early)))])
+    return _Voted(kind[best], poses[best], early[best] + voted(best, EARLY, PROBES))
 
 
 def votes_of(
