@@ -43,6 +43,8 @@ EARLY, GO_ON = 5, 0.3
 """Probes that vote first, and the share of the poses that the others vote on, too."""
 REACH, SHARP = np.float32(0.1), np.float32(4.0)
 """Share of the size within which a datum is near; half of a vote is for coming so many times nearer."""
+NEAREST_DEPTH = np.float32(1e-6)
+"""Metres before the camera of what is seen."""
 MISSED = np.float32(0.4)
 """What a feature without a datum near takes from the votes, against what one with a datum at its place gives."""
 
@@ -261,12 +263,13 @@ def votes_of(
     """(N,) of ``features`` (N, K), where they are ``asked``: how many have a datum near, less what is missed."""
     at = index.at[:, kind[:, None], features]
     (x, y, z), focal = (_along(poses[:, k], at) for k in range(3)), np.float32(data.camera.f)
-    scale = focal / np.where(z > 1e-6, z, np.float32(np.inf))
+    scale = focal / np.where(z > NEAREST_DEPTH, z, np.float32(np.inf))
     middle = centre_of(data.camera).astype(np.float32)
     places = np.stack([x * scale + middle[0], y * scale + middle[1]], axis=-1)
     distance, covered = maps.seen_at(places, index.shown[kind[:, None], features])
     depth = _along(poses[:, 2], index.middles[:, kind][..., None])
-    sharper = np.maximum(depth, 1e-6) / (REACH * focal * index.diameters.astype(np.float32)[kind][:, None])
+    distance = np.where((z > NEAREST_DEPTH) & (depth > NEAREST_DEPTH), distance, np.float32(np.inf))
+    sharper = np.maximum(depth, NEAREST_DEPTH) / (REACH * focal * index.diameters.astype(np.float32)[kind][:, None])
     share = np.minimum(distance * sharper, 1)
     vote = 1 - share + np.maximum(1 - SHARP * share, 0)
     return np.asarray(((vote * ((1 + MISSED) / 2) - MISSED) * (asked & ~covered)).sum(axis=1))
