@@ -44,7 +44,7 @@ class Width(NamedTuple):
 
 def usual(types: int) -> Width:
     """Of so many types."""
-    return Width(1000 + 150 * types, 60 + 8 * types, 12 + types)
+    return Width(3500 + 90 * types, 150 + 6 * types, 22 + types)
 
 
 ALIKE = float(np.radians(12.0)), 0.08

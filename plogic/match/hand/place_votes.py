@@ -26,8 +26,8 @@ from plogic.match.hand.view_cells import DistanceMaps
 
 Singles = NDArray[np.float32]
 
-NEIGHBOURS = 12
-"""Nearest data among which the other two of a triple are sought."""
+NEIGHBOURS = 24, 12
+"""Nearest data among which the other two of a triple are sought: the more where all their pairs can be looked at."""
 NEAREST = 1.0
 """Pixels between two of a triple at least."""
 FLATTEST = np.cos(np.radians(78.0)) ** 2
@@ -39,7 +39,7 @@ BLOCK = 1 << 14
 """Pairs of triples at a time: about 8 MB."""
 SMALLEST, LARGEST = 12.0, 2.0
 """Pixels across, and image heights, of an object at least and at most."""
-EARLY, GO_ON = 5, 0.3
+EARLY, GO_ON = 5, 0.5
 """Probes that vote first, and the share of the poses that the others vote on, too."""
 REACH, SHARP = np.float32(0.1), np.float32(4.0)
 """Share of the size within which a datum is near; half of a vote is for coming so many times nearer."""
@@ -81,15 +81,17 @@ class ImageTriples(Columns):
     sides: Singles
 
 
-def image_triples(index: PlaceIndex, data: Data, check: Callable[[], None] = unhurried) -> ImageTriples:
-    """The triples of neighbouring data that some feature looks like, by their looks in increasing order.
+def image_triples(
+    index: PlaceIndex, data: Data, neighbours: int, check: Callable[[], None] = unhurried
+) -> ImageTriples:
+    """The triples of so many neighbouring data that some feature looks like, by their looks in increasing order.
 
     ``check`` is called between blocks of them, and may raise to end it.
     """
     names, which = data.by_look
     looks = np.array([index.number_of.get(name, -1) for name in names], np.intp)[which]
     members = np.argsort(looks, kind="stable")[np.count_nonzero(looks < 0) :]
-    three, count = _neighbouring(data.ideal[members], check), len(index.looks)
+    three, count = _neighbouring(data.ideal[members], neighbours, check), len(index.looks)
     rays = np.concatenate(
         [(data.ideal[members] - centre_of(data.camera)) / data.camera.f, np.ones((len(members), 1))], axis=1
     )[three]
@@ -104,13 +106,13 @@ def image_triples(index: PlaceIndex, data: Data, check: Callable[[], None] = unh
     )
 
 
-def _neighbouring(places: Floats, check: Callable[[], None]) -> Indices:
+def _neighbouring(places: Floats, neighbours: int, check: Callable[[], None]) -> Indices:
     """(N, 3) numbers of neighbouring places (M, 2), increasing, no slivers."""
-    near = np.zeros((len(places), max(0, min(NEIGHBOURS, len(places) - 1))), np.intp)
+    near = np.zeros((len(places), max(0, min(neighbours, len(places) - 1))), np.intp)
     for some in blocks(len(places), len(places)):
         check()
         step = places[None] - places[some][:, None]
-        near[some] = np.argsort(np.hypot(step[..., 0], step[..., 1]), axis=1, kind="stable")[:, 1 : NEIGHBOURS + 1]
+        near[some] = np.argsort(np.hypot(step[..., 0], step[..., 1]), axis=1, kind="stable")[:, 1 : neighbours + 1]
     one, other = np.array(list(combinations(range(near.shape[1]), 2)), dtype=np.intp).reshape(-1, 2).T
     first = np.repeat(np.arange(len(places)), len(one))
     three = np.unique(np.sort(np.column_stack([first, near[:, one].ravel(), near[:, other].ravel()]), axis=1), axis=0)
@@ -136,9 +138,13 @@ def coarse_poses(
     ``maps`` of the index's sets of looks (``PlaceIndex.allowed``). ``check`` is called between blocks, and may raise to
     end it.
     """
-    image, table = image_triples(index, data, check), index.triples
-    low, high = (np.searchsorted(table.key, image.key, side) for side in ("left", "right"))
-    some = _rarest(high - low, MOST + MOST_OF_TYPE * len(index.indices))
+    table, budget = index.triples, MOST + MOST_OF_TYPE * len(index.indices)
+    for neighbours in NEIGHBOURS:
+        image = image_triples(index, data, neighbours, check)
+        low, high = (np.searchsorted(table.key, image.key, side) for side in ("left", "right"))
+        if (high - low).sum() <= budget:
+            break
+    some = _rarest(high - low, budget)
     row, entry = taken(low[some][:, None], high[some][:, None])
     row = some[row]
     best = _Voted(np.zeros(0, np.intp), np.zeros((0, 4, 4), np.float32), np.zeros(0, np.float32))

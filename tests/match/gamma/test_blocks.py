@@ -19,10 +19,11 @@ from plogic.match.hand import links
 from plogic.match.hand.generate import generate
 from plogic.match.hand.links import ALONG_ONE_ARM, POINTING, data_links, linked_pairs
 from plogic.match.hand.place_index import place_index
-from plogic.match.hand.place_votes import NEIGHBOURS, image_triples
+from plogic.match.hand.place_votes import image_triples
 from sensing.appearance import Appearance
 
 SCALES = (10.0, 2000.0)
+NEIGHBOURS = 12
 
 
 def clutter(number, seed, arms=4, step=1.0):
@@ -84,11 +85,11 @@ def test_pairs_by_links_are_the_same_in_any_blocks(number, most, monkeypatch):
 @pytest.mark.parametrize(("number", "step"), [(0, 1e-9), (1, 1e-9), (2, 1e-9), (80, 1e-9), (80, 20.0)])
 def test_triples_are_the_same_in_any_blocks(number, step, monkeypatch):
     places, data = place_index([perceiver().models["t2"]]), clutter(number, 5, step=step)
-    whole = image_triples(places, data)
+    whole = image_triples(places, data, NEIGHBOURS)
     assert whole.data.shape == (len(whole.key), 3)
     assert len(whole.key) > 0 or number < 3
     monkeypatch.setattr(blocks, "ENTRIES", 100)
-    assert_same(image_triples(places, data), whole)
+    assert_same(image_triples(places, data, NEIGHBOURS), whole)
     near = np.hypot(*(data.ideal[:, None] - data.ideal).T)
     reach = np.sort(near, axis=1)[:, NEIGHBOURS] if number > NEIGHBOURS else None
     for three in whole.data.tolist():

@@ -54,7 +54,7 @@ def test_of_the_two_poses_of_a_far_triple_one_is_right(place, quaternion):
     )
     index, kind = index_of(glass()), glass()
     data = seen(kind, pose)
-    image = image_triples(index, data)
+    image = image_triples(index, data, 12)
     for row in range(len(image.key)):
         entry = np.flatnonzero(index.triples.key == image.key[row])
         assert len(entry) == 1
@@ -160,6 +160,6 @@ def test_of_what_is_there_some_coarse_pose_is_near_the_truth():
 def test_fewer_than_three_data_make_no_triple():
     index = index_of(glass())
     data = data_of([Appearance(n, n, (9.0 * i, 2.0), "drawn") for i, n in enumerate("ab")], CAMERA)
-    assert image_triples(index, data).data.shape == (0, 3)
+    assert image_triples(index, data, 12).data.shape == (0, 3)
     nobody = data_of([Appearance(str(i), "z", (9.0 * i, 2.0 * i * i), "drawn") for i in range(5)], CAMERA)
-    assert image_triples(index, nobody).data.shape == (0, 3)
+    assert image_triples(index, nobody, 12).data.shape == (0, 3)
