@@ -16,6 +16,7 @@ from plogic.face.shown.options import (
     BOP_IMAGES,
     CAMERA,
     DEADLINE,
+    DV_OVER,
     FIRST_READING,
     GENERATOR,
     GIVEN,
@@ -30,6 +31,7 @@ from plogic.face.shown.options import (
     SMOOTHING,
     SOURCE,
     TRUST,
+    WITHHOLD,
     Asking,
     Number,
     Perceiving,
@@ -51,17 +53,28 @@ def cli() -> None:
 
 @cli.command()
 @click.option(
-    "-o", "--out", type=click.Path(path_type=Path), show_default="out/demo, or out/look-again", help="Folder to write."
+    "-o",
+    "--out",
+    type=click.Path(path_type=Path),
+    show_default="out/demo, out/look-again or out/paper",
+    help="Folder to write.",
 )
 @click.option("--seed", type=SEED, default=0, show_default=True)
 @click.option("--reading", type=READINGS, show_default="score, or posterior with --look-again")
 @click.option(
     "--look-again", is_flag=True, help="Two worlds near even, and the second view that settles it (posterior reading)."
 )
+@click.option("--paper", is_flag=True, help="Table 1 and figure 5 of the paper, counted from a Γ and three poses.")
 @AS_JSON
-def demo(out: Path | None, seed: int, reading: Any, look_again: bool, as_json: bool) -> None:
+def demo(out: Path | None, seed: int, reading: Any, look_again: bool, paper: bool, as_json: bool) -> None:
     """Show the two towers: from a simulated camera's pixels to ranked worlds, a picture and a page."""
-    if look_again:
+    if paper:
+        from plogic.face.commands.demo_paper import run_paper
+
+        if look_again or seed or reading:
+            raise click.UsageError("--paper: one Γ and three poses, in both modes: leave the other options out")
+        emit(run_paper(out or Path("out/paper"), say=say, as_json=as_json))
+    elif look_again:
         from plogic.face.commands.demo import run_look_again
 
         if reading == "score":
@@ -89,6 +102,7 @@ def demo(out: Path | None, seed: int, reading: Any, look_again: bool, as_json: b
 )
 @FIRST_READING
 @RECONSIDER
+@DV_OVER
 @SMOOTHING
 @GENERATOR
 @BEST_BY
@@ -114,6 +128,7 @@ def perceive(inputs: tuple[str, ...], kb_folder: str, **options: Any) -> None:
 @click.option("-n", "number", type=click.IntRange(1), default=10, show_default=True)
 @GIVEN
 @RULES
+@WITHHOLD
 @READING
 @DEADLINE
 @TRUST
@@ -133,6 +148,7 @@ def worlds(source: str, number: int, given: tuple[str, ...], as_json: bool, **op
 @click.argument("goal", required=False)
 @GIVEN
 @RULES
+@WITHHOLD
 @READING
 @DEADLINE
 @TRUST
@@ -155,6 +171,7 @@ def query(source: str, goal: str | None, given: tuple[str, ...], as_json: bool, 
     "-n", "number", type=click.IntRange(1), help="Explanations of each kind (default: 5; of present(h), a summary)."
 )
 @RULES
+@WITHHOLD
 @READING
 @TRUST
 @AS_JSON
@@ -179,14 +196,16 @@ def shell(source: str, **options: Any) -> None:
 
 
 @cli.command()
-@INTERPRETATION
+@click.argument("interpretation", metavar="[INTERPRETATION]", required=False)
+@click.option("--kb", "kb_folder", help="Folder of a knowledge base, or a shipped one: print Σ alone.")
+@WITHHOLD
 @READING
 @AS_JSON
-def program(interpretation: str, reading: Any, as_json: bool) -> None:
-    """Print the ProbLog program: it runs unchanged in a stock `problog`, with the same numbers."""
+def program(interpretation: str | None, kb_folder: str | None, **options: Any) -> None:
+    """Print the ProbLog program of an interpretation or a KB: it runs unchanged in a stock `problog`."""
     from plogic.face.commands.program import program_command
 
-    emit(program_command(interpretation, reading, as_json=as_json))
+    emit(program_command(interpretation, kb_folder, **options))
 
 
 @cli.command()

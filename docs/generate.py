@@ -50,7 +50,8 @@ A *node* of the part-whole tree is a hypothesis, or `H/P` for a part or a featur
 {table()}
 
 Conjunction is `,`, negation is `\\+`. Rules of your own go into the KB's `rules.pl`,
-or into a file for `--rules FILE` (`query`, `worlds`, `explain`, `shell`).
+or into a file for `--rules FILE` (`query`, `worlds`, `explain`, `shell`);
+they may choose, observe and constrain too ([Rules of your own](knowledge-bases.md#rules-of-your-own)).
 """
 
 

@@ -1,12 +1,16 @@
 """The documents name real things.
 
-Docs/paper-map.md (every item, its modules and its tests), docs/glossary.md, docs/how-it-works.md.
+Docs/paper-map.md (every item: its definition, the command that shows it, its modules and its tests), docs/glossary.md,
+docs/how-it-works.md.
 """
 
 import re
 from pathlib import Path
 
 import pytest
+from click.testing import CliRunner
+
+from cli import cli
 
 ROOT = Path(__file__).parent.parent
 MAP = (ROOT / "docs" / "paper-map.md").read_text(encoding="utf-8")
@@ -23,6 +27,9 @@ ITEMS = [
     "§7",
     *(f"§8 {name}" for name in ("program", "worlds", "explanations", "duplicates", "score", "posterior")),
     *(f"§8 trap ({letter})" for letter in "abcdefg"),
+    "§9.5",
+    "§9.7",
+    "§9.8",
 ]
 FILE = re.compile(r"`((?:[\w.]+/)+\w+\.py)(?:::(\w+))?`")
 
@@ -33,7 +40,7 @@ def test_no_item_is_missing_and_none_is_invented():
 
 @pytest.mark.parametrize("item", ITEMS)
 def test_an_item_has_modules_and_tests_or_says_later(item):
-    _, what, modules, tests, note = ROWS[item]
+    _, what, _, _, modules, tests, note = ROWS[item]
     assert what
     if FILE.search(modules):
         assert FILE.search(tests), f"{item} has modules and no test"
@@ -44,9 +51,26 @@ def test_an_item_has_modules_and_tests_or_says_later(item):
 
 @pytest.mark.parametrize("item", ITEMS)
 def test_modules_are_code_and_tests_are_tests(item):
-    _, _, modules, tests, _ = ROWS[item]
-    assert not [path for path, _ in FILE.findall(modules) if path.startswith("tests/")]
+    _, _, definition, _, modules, tests, _ = ROWS[item]
+    assert not [path for path, _ in FILE.findall(definition + modules) if path.startswith("tests/")]
     assert not [path for path, _ in FILE.findall(tests) if not path.startswith("tests/")]
+
+
+@pytest.mark.parametrize("item", ITEMS)
+def test_an_item_is_stated_by_one_function_class_or_table(item):
+    (named,) = FILE.findall(ROWS[item][2])
+    path, name = named
+    code = (ROOT / path).read_text(encoding="utf-8")
+    assert re.search(rf"^(?:def|class) {name}\b|^{name}\b[^\n]* = ", code, re.MULTILINE), f"{path} states no {name}"
+
+
+@pytest.mark.parametrize("command", sorted({cells[3] for cells in ROWS.values()}))
+def test_the_command_that_shows_an_item_has_help_and_its_option(command):
+    first, *words = command.strip("`").split()
+    assert first == "plogic"
+    helped = CliRunner().invoke(cli, [*(word for word in words if not word.startswith("--")), "--help"])
+    assert helped.exit_code == 0
+    assert all(f"{word} " in helped.stdout or f"{word}\n" in helped.stdout for word in words if word.startswith("--"))
 
 
 @pytest.mark.parametrize("page", PAGES)
@@ -58,6 +82,6 @@ def test_every_file_and_every_test_that_is_named_exists(page):
     absent = [
         f"{path}::{test}"
         for path, test in named
-        if test and f"\ndef {test}(" not in (ROOT / path).read_text(encoding="utf-8")
+        if path.startswith("tests/") and test and f"\ndef {test}(" not in (ROOT / path).read_text(encoding="utf-8")
     ]
     assert not absent

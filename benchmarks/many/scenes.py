@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 
 from benchmarks.clutter.scenes import CAMERA, picture, surface_of, visible
-from benchmarks.clutter.types import SLACK
+from benchmarks.clutter.types import SLACK, Detector
 from benchmarks.many.placing import OBJECTS, placed, visible_shares
 from benchmarks.many.types import DETECTOR, frequencies
 from benchmarks.recognition.score import Truth
@@ -59,9 +59,11 @@ def scene(kb: KnowledgeBase, seed: int, number: tuple[int, int] = OBJECTS) -> Sc
     return scene_of(kb, placed(kb, rng, number), rng)
 
 
-def scene_of(kb: KnowledgeBase, objects: Sequence[Placed], rng: np.random.Generator) -> Scene:
+def scene_of(
+    kb: KnowledgeBase, objects: Sequence[Placed], rng: np.random.Generator, detector: Detector = DETECTOR
+) -> Scene:
     """What the detector reports of these objects, in an order that tells nothing."""
-    own = [_reported(kb, objects, which, rng) for which in range(len(objects))]
+    own = [_reported(kb, objects, which, rng, detector) for which in range(len(objects))]
     whose = [(which, int(f)) for which, reported in enumerate(own) for f in reported.feature]
     every = [*own, _clutter(kb, round(len(whose) * NOISE / (1.0 - NOISE)), rng)]
     looks, uv, angle = (
@@ -112,15 +114,17 @@ def truths_of(objects: Sequence[Placed]) -> tuple[Truth, ...]:
     )
 
 
-def _reported(kb: KnowledgeBase, objects: Sequence[Placed], which: int, rng: np.random.Generator) -> _Reported:
+def _reported(
+    kb: KnowledgeBase, objects: Sequence[Placed], which: int, rng: np.random.Generator, detector: Detector
+) -> _Reported:
     """Of the features of one object that the camera sees; noise may lead what is near the border out of the image."""
     one, number = objects[which], {name: i for i, name in enumerate(kb.appearance_types)}
     some = seen(kb, objects, which)
-    some = some[rng.random(len(some)) < DETECTOR.hit]
+    some = some[rng.random(len(some)) < detector.hit]
     at = transform_points(one.pose, one.kind.lobes.at[some])
     x_axes = np.array([one.kind.features[f].rotation[:, 0] for f in some]).reshape(-1, 3) @ one.pose[:3, :3].T
-    uv = CAMERA.project(at) + rng.normal(0.0, DETECTOR.sigma, (len(some), 2))
-    angle = screen_angle(x_axes, at) + rng.normal(0.0, DETECTOR.turn, len(some))
+    uv = CAMERA.project(at) + rng.normal(0.0, detector.sigma, (len(some), 2))
+    angle = screen_angle(x_axes, at) + rng.normal(0.0, detector.turn, len(some))
     looks = np.array([number[one.kind.lobes.types[f]] for f in some], np.intp)
     inside = CAMERA.contains(uv)
     return _Reported(some[inside], looks[inside], uv[inside], angle[inside] % (2.0 * np.pi))

@@ -1,6 +1,7 @@
 """``plogic bench occlusion``: ROC-20 over random posed pairs.
 
-Exactly one, converse, against dense rays, each of the twenty; and its tables.
+Exactly one, converse, against dense rays, each of the twenty; and its tables. Then what detections alone tell of pairs
+of which one pose is withheld.
 
 Every pair is asked both ways, and told by the rays of ``benchmarks.occlusion.oracle``; where its making decides the
 relation, by that.
@@ -17,13 +18,25 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from benchmarks.occlusion.bodies import CAMERA
-from benchmarks.occlusion.models import possible_triples
 from benchmarks.occlusion.neighbours import neighbours
 from benchmarks.occlusion.oracle import FINE, raster_relation
 from benchmarks.occlusion.pairs import KINDS, pairs
 from benchmarks.occlusion.tables import sign
+from benchmarks.occlusion.withheld import (
+    AIMED,
+    QUICK_AIMED,
+    QUICK_WITHHELD,
+    WITHHELD,
+    aimed_pairs,
+    reliability_rows,
+    withheld_claims,
+    withheld_figures,
+    withheld_pairs,
+    withheld_rows,
+)
 from benchmarks.occlusion.witness import arrangements, checked, triples
 from benchmarks.shared.claims import Claim
+from geometry.visibility.composition import possible_triples
 from geometry.visibility.occlusion import TOLERANCE, drawn, occlusion
 from geometry.visibility.roc import ROC20, coarse, converse
 from plogic.face.shown.tables import plain_table
@@ -46,7 +59,10 @@ CAPTION = """\
 Pairs of each kind, in ideal pixels of a 640 x 480 camera, f = 600 px; tolerance 0.25 px. converse: R(x, y) is the converse of R(y, x).
 known: the relation is decided by how the pair was made. rays: decided by 80 x 80 rays over both, or, where these say otherwise than we
 do, by 400 x 400; undecided: it hangs on fewer than six rays, on what lies within two rays of an edge, or on the tolerance (at half or twice of
-it we say otherwise), and is left out. us: microseconds of the processor a pair, median and 95 %, its two outlines given; outlines: of drawing."""
+it we say otherwise), and is left out. withheld: pairs of which one pose is withheld, by the true relation; first: it is the most
+probable by what is detected; cells: hiding changes so many; aimed: one before or behind the other, or a rod through a hollow, which poses
+drawn as the prior has them seldom are; reliability: of the most probable relations.
+us: microseconds of the processor a pair, median and 95 %, its two outlines given; outlines: of drawing."""
 
 
 @dataclass(frozen=True)
@@ -72,12 +88,18 @@ def run(*, seed: int, quick: bool, as_json: bool, say: Callable[[str], None]) ->
     say("composition: done")
     found = neighbours(QUICK_MOTIONS if quick else MOTIONS, seed)
     say(f"neighbours: {len(found)} ordered pairs")
+    told = withheld_pairs(QUICK_WITHHELD if quick else WITHHELD, seed, say)
+    rare = aimed_pairs(QUICK_AIMED if quick else AIMED, seed, say)
     printed = {
         "pairs": [_row(kind, judged) for kind in KINDS],
         "relations": _relations(judged, found),
         "composition": [tables],
+        "withheld": withheld_rows(told),
+        "withheld, aimed": withheld_rows(rare),
+        "reliability": reliability_rows(told),
+        "withheld figures": [withheld_figures(told)],
     }
-    promised = claims(judged, tables, quick=quick)
+    promised = (*claims(judged, tables, quick=quick), *([] if quick else withheld_claims(told)))
     documents = [claim.document() for claim in promised]
     met = all(claim.met for claim in promised)
     if as_json:

@@ -16,7 +16,7 @@ from geometry.visibility.roc import ROC20, coarse, converse, los14, parts_of
 if TYPE_CHECKING:
     from collections.abc import Iterable, Mapping
 
-    from benchmarks.occlusion.models import Triple
+    from geometry.visibility.composition import Triple
     from geometry.visibility.roc import Roc
 
     Composition = Mapping[tuple[Roc, Roc], frozenset[Roc]]

@@ -23,8 +23,8 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
-from benchmarks.occlusion.models import PAIRS, Images, possible_fronts, rcc_terms, triple_of
 from benchmarks.occlusion.stacks import boxes, codes, masks_of, one_piece
+from geometry.visibility.composition import PAIRS, Images, possible_fronts, rcc_terms, triple_of
 from geometry.visibility.roc import ROC20, parts_of
 
 if TYPE_CHECKING:
@@ -32,8 +32,8 @@ if TYPE_CHECKING:
 
     from numpy.typing import NDArray
 
-    from benchmarks.occlusion.models import Cell, Contact, Fronts, Terms, Triple
     from benchmarks.occlusion.stacks import Grids
+    from geometry.visibility.composition import Cell, Contact, Fronts, Terms, Triple
 
 WIDE, HIGH, DEEP = 5, 3, 8
 """Small squares of a square, across and down, and layers."""

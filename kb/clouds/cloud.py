@@ -11,7 +11,7 @@ Vocabulary, each with an example value:
 """
 
 from collections import Counter
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
 from itertools import accumulate
@@ -24,11 +24,17 @@ from numpy.typing import NDArray
 from kb.clouds.learned import LearnedCloud
 from kb.clouds.lobes import Feature, LobeTable, freeze, lobe_table, object_nodes
 from kb.clouds.words import Words
+from kb.surfaces.faces import faces
 from kb.surfaces.surface import Surface
 
 UNKNOWN_SUPPORT = 0.1
 """Chance that something which the KB does not know holds what floats, where `gravity` does not say: one in ten things
 that seem to float."""
+
+
+SAME_PLACE = 1e-3
+"""A vertex and a feature are in one place that are nearer than this share of the surface's diameter: meshes are written
+to three or four digits."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -101,6 +107,28 @@ class ObjectType:
         owners = [owner[f] for f in nearest]
         bodies = {part: np.flatnonzero([own == part or own.startswith(f"{part}/") for own in owners]) for part in parts}
         return {part: _body(self.surface, facets) for part, facets in bodies.items() if len(facets)}
+
+    @cached_property
+    def facets(self) -> tuple[tuple[str, ...], ...]:
+        """The facets of the surface of which each vertex is where a feature is, by the features' names (§4.2)."""
+        return () if self.surface is None else self._named(self.surface.triangles.tolist())
+
+    @cached_property
+    def faces(self) -> tuple[tuple[str, ...], ...]:
+        """The faces of the surface of which each corner is where a feature is, by the features' names (§4.2)."""
+        return () if self.surface is None else self._named([face.loop for face in faces(self.surface)])
+
+    def _named(self, polygons: Iterable[Sequence[int]]) -> tuple[tuple[str, ...], ...]:
+        """The polygons, of vertices of the surface, whose vertices are all where features are, by their names."""
+        features, surface = self.seen_features, self.surface
+        if surface is None or not features:
+            return ()
+        at = np.array([feature.at for feature in features])
+        nearest = _nearest(surface.vertices, at)
+        here = np.linalg.norm(surface.vertices - at[nearest], axis=1) <= SAME_PLACE * surface.diameter
+        name = [features[f].name if there else "" for f, there in zip(nearest, here, strict=True)]
+        named = (tuple(name[v] for v in polygon) for polygon in polygons)
+        return tuple(corners for corners in named if all(corners))
 
     @cached_property
     def lobes(self) -> LobeTable:

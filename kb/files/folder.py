@@ -244,7 +244,7 @@ class _Builder:
 
 
 def shipped_names() -> list[str]:
-    """Their names, sorted: ``["first", "lookalikes", "towers"]``."""
+    """Their names, sorted: ``["first", "lookalikes", "paper", "towers"]``."""
     return sorted(path.parent.name for path in Path(__file__).parents[1].glob("*/kb.yaml"))
 
 

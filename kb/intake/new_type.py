@@ -284,9 +284,12 @@ gravity: false
 """
 
 RULES = """\
-% Rules of your own, in ProbLog, for `plogic query` and `plogic shell`; the vocabulary is in docs/vocabulary.md. For example:
+% Rules of your own, in ProbLog; the vocabulary is in docs/vocabulary.md. For example:
 %
-%   two_of(Type) :- object(X, Type), object(Y, Type), X \\= Y.
+%   two_of(Type) :- object(X, Type), object(Y, Type), X \\= Y.   % for queries
+%   constraint(one_of(Type)) :- two_of(Type).                    % no world has two of one type,
+%   0.1::constraint_may_fail(one_of(_)).                         % but for one in ten
+%   0.2::wet. evidence(\\+ wet).                                 % a choice, and what was observed
 """
 
 

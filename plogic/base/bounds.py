@@ -8,6 +8,9 @@ impossible.
 from collections.abc import Sequence
 
 LEAST = 1e-8
+SLACK = 1e-10
+"""An annotated disjunction whose written probabilities come this near to 1 leaves nothing out (ProbLog's own tolerance
+of rounding)."""
 
 
 def bounded(p: float) -> float:

@@ -7,7 +7,7 @@ before it is not looked at. The relation of two wholes is in ``relations_of``.
 """
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from itertools import combinations
 from typing import NamedTuple
 
@@ -25,7 +25,7 @@ from plogic.cycle.lumped import compound_parts, counts, lumped, told, told_as, t
 from plogic.cycle.placing import gravity_of_view, space_of_view
 from plogic.cycle.state import Cycle, Trace
 from plogic.facts.hypothesis import FeatureFact, Hypothesis, part_facts
-from plogic.facts.situation import AppearanceFact, PairFact, Reading, Reconsider, Situation, pair_facts
+from plogic.facts.situation import AppearanceFact, DvOver, PairFact, Reading, Reconsider, Situation, pair_facts
 from plogic.facts.spatial import Space
 from plogic.match.gamma.data import Data
 from plogic.match.judged.evidence import as_fitted, clutter_density, judged
@@ -111,20 +111,25 @@ EVERY = 1000
 class Options:
     """What a user can choose of one interpretation.
 
-    ``end`` is the moment of ``time.monotonic`` at which the search stops.
+    ``end`` is the moment of ``time.monotonic`` at which the search stops; ``dv_over``: what ev is weighed by (§5.1).
     """
 
     reading: Reading = "score"
     reconsider: Reconsider = "to_B"
     smoothing: float = 0.0
     end: float | None = None
+    dv_over: DvOver = "types"
 
 
 @dataclass(frozen=True)
 class Delta:
-    """Δh with its ids, in the order h1, h2, ..., accepted ones first, and what decides its probabilities."""
+    """Δh with its ids, in the order h1, h2, ..., accepted ones first, and what decides its probabilities.
+
+    ``dv`` of each feature type: what its ev are weighed by.
+    """
 
     situation: Situation
+    dv: Mapping[str, float] = field(default_factory=dict)
 
     @property
     def beliefs(self) -> dict[str, Hypothesis]:
@@ -181,9 +186,11 @@ def delta_of(
             part_relations=part_relations_of(posed, together, data.camera),
             priors={t.name: kb.rates.prior.get(t.name, 0.5) for t in kb.types},
             dv=types_told(dv, kb, hypotheses),
+            dv_over=options.dv_over,
             rank={row.type: row.rank for row in cycle.attention},
             rules=kb.rules or "",
         ),
+        dv,
     )
 
 

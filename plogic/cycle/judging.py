@@ -5,11 +5,12 @@ Expected, Detected, the four cases, ev and evidence, on the data left free (§4,
 What is not accepted is told from the rivals of Δi: a rival would be accepted in the place of what it conflicts with.
 """
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
 
 from geometry.arrays import Floats, Mask
-from plogic.cycle.state import Proposal, State, Step, Task, among, free, step_of
+from kb.clouds.cloud import KnowledgeBase
+from plogic.cycle.state import Cycle, Proposal, State, Step, Task, among, free, step_of
 from plogic.facts.hypothesis import Hypothesis
 from plogic.match.judged.evidence import evidence, pose_information
 from plogic.match.judged.evidence import judged as judged_alone
@@ -23,6 +24,8 @@ from plogic.match.judged.rivals import (
     overlap,
     shared_claims,
 )
+from plogic.measures.distinctiveness import distinctiveness_over_delta
+from plogic.measures.explanatory import explanatory_value
 
 FEWEST = 4
 """Expected features that must be detected before a hypothesis counts: a phantom wholly out of sight has ev = +1 (§8,
@@ -142,6 +145,37 @@ def set_aside(task: Task, state: State, hypothesis: Hypothesis, reason: str) -> 
         return replace(state, rivals=(*state.rivals, alone.told(status="rival", why=why)))
     rejected = (*state.rejected, hypothesis.told(status="rejected", why=reason))
     return replace(state, rejected=rejected).tells(step_of("reject", reason, hypothesis))
+
+
+def over_instances(cycle: Cycle, kb: KnowledgeBase) -> tuple[Cycle, dict[str, float]]:
+    """The cycle with every ev weighed by dv over the instances in Δi, and that dv (§5.1, the paper's variant of §9).
+
+    What is accepted and has no ev above 0 by it is rejected, and dv taken anew. It is that over Σo where Δi is empty,
+    or has one feature type alone, whose dv would be 0.
+    """
+    while True:
+        kinds = [h.object_type for h in cycle.accepted]
+        dv = distinctiveness_over_delta(kinds, kb.types)
+        if not any(dv[f.type] for kind in kinds for f in kind.all_features):
+            dv = distinctiveness_over_delta((), kb.types)
+        accepted, considered, rejected = (
+            tuple(_weighed(h, dv) for h in some) for some in (cycle.accepted, cycle.considered, cycle.rejected)
+        )
+        low = [h for h in accepted if h.ev_reconsidered is None or h.ev_reconsidered <= 0.0]
+        for h in low:
+            why = f"ev {rounded(h.ev_reconsidered)} is not above 0 by dv over the instances in Δ"
+            rejected = (h.told(status="rejected", why=why), *rejected)
+            cycle.trace.steps.append(step_of("reject", why, h))
+        kept = tuple(h for h in accepted if h not in low)
+        cycle = replace(cycle, accepted=kept, considered=considered, rejected=rejected)
+        if not low:
+            return cycle, dv
+
+
+def _weighed(h: Hypothesis, dv: Mapping[str, float]) -> Hypothesis:
+    """The hypothesis with its ev by another dv; one without arrays keeps its own."""
+    ev = (explanatory_value(h.support(hidden), dv) for hidden in (None, h.hidden))
+    return h.told(ev=next(ev), ev_reconsidered=next(ev)) if len(h.uv) else h
 
 
 def left_over(state: State) -> State:

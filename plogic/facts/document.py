@@ -24,7 +24,7 @@ from plogic.facts.fact_rows import (
     Slightly,
     SpaceRow,
 )
-from plogic.facts.situation import Reading, Reconsider, Stopped
+from plogic.facts.situation import DvOver, Reading, Reconsider, Stopped
 
 Case = Literal["A", "B", "C", "D"]
 Status = Literal["accepted", "rival", "open"]
@@ -204,21 +204,29 @@ class RelationRow(RelatedRow):
 
 
 class DoubtRow(TypedDict):
-    """One prediction of §3.8 that fails."""
+    """One prediction of §3.8 that fails; ``evidence``: the relation's probability by what is detected."""
 
     relation: Name
     args: Pair
     expected: str
     found: str
     why: str
+    evidence: NotRequired[Chance]
 
 
-class MeasuresRow(TypedDict):
+class SharesRow(TypedDict):
+    """P(dv) by feature type; where dv is over the instances in Δ, that over the types of Σo as well (§5.1)."""
+
+    p_dv: NotRequired[dict[Name, float]]
+    dv_over: NotRequired[DvOver]
+    dv_types: NotRequired[dict[Name, float]]
+
+
+class MeasuresRow(SharesRow):
     """dv by feature type, rank by object type."""
 
     dv: dict[Name, float]
     rank: dict[Name, float]
-    p_dv: NotRequired[dict[Name, float]]
 
 
 class SensingRow(TypedDict):
@@ -230,12 +238,17 @@ class SensingRow(TypedDict):
 
 
 class TypeRow(TypedDict):
-    """How one type is seen: [id, type, x, y, z] of features, and lobes as rows of numbers (``plogic.run.carried``)."""
+    """How one type is seen: [id, type, x, y, z] of features, and lobes as rows of numbers (``plogic.run.carried``).
+
+    ``facets``, ``faces``: polygons of its surface whose corners are features.
+    """
 
     features: list[Annotated[list[str | float], Row(Name, Name, float, float, float)]]
     looks: list[Name]
     lobes: list[Annotated[list[float], Row(Count, Count, float, float, float, float, float, float, float)]]
     measured: bool
+    facets: NotRequired[list[Annotated[list[Name], Size(3)]]]
+    faces: NotRequired[list[Annotated[list[Name], Size(3, 1000)]]]
     left_out: NotRequired[dict[Name, Count]]
 
 

@@ -84,7 +84,23 @@ class PartRelationFact(RelatedRow):
     parts: Pair
 
 
-Fact = PairRow | OverlapRow | FootRow | OrderedRow | RelationFact | PartRelationFact
+class StateRow(TypedDict):
+    """The relation of ROC-20 of each pair, with the probability that these hold together."""
+
+    probability: Slightly
+    relations: list[Name]
+
+
+class EvidenceRow(TypedDict):
+    """What detections say of how hypotheses stand; ``withheld``: those of them whose poses are not known."""
+
+    fact: Literal["evidence"]
+    pairs: list[Pair]
+    withheld: list[Name]
+    states: Annotated[list[StateRow], Size(1, 10_000)]
+
+
+Fact = PairRow | OverlapRow | FootRow | OrderedRow | RelationFact | PartRelationFact | EvidenceRow
 
 
 class BodyRow(TypedDict):

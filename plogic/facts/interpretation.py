@@ -6,21 +6,24 @@ are inverse on everything that decides a probability (tested). A file is held to
 """
 
 import json
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
-from typing import Final, cast
+from typing import TYPE_CHECKING, Final, cast
 
 import numpy as np
 
 from geometry.files.plain_files import json_of
 from plogic.base.errors import InterpretationError
 from plogic.base.shapes import mistakes
-from plogic.facts.document import Case, FeatureRow, HypothesisFacts, HypothesisRow, Interpretation, StandsKey
-from plogic.facts.fact_rows import Fact, RelatedRow
+from plogic.facts.document import Case, FeatureRow, HypothesisFacts, HypothesisRow, Interpretation, StandsKey, TypeRow
+from plogic.facts.fact_rows import EvidenceRow, Fact, RelatedRow, StateRow
 from plogic.facts.hypothesis import FeatureFact, Hypothesis, PartFact
 from plogic.facts.sanity import faults
-from plogic.facts.situation import AppearanceFact, PairFact, Situation, stopped_in
+from plogic.facts.situation import AppearanceFact, EvidenceFact, LookFact, PairFact, Situation, TypeFact, stopped_in
 from plogic.facts.spatial import gravity_facts, gravity_of, overlap_document, space_of
+
+if TYPE_CHECKING:
+    from geometry.visibility.roc import Roc
 
 FORMAT: Final = "interpretation/1"
 LARGEST = 256 * 2**20
@@ -35,6 +38,7 @@ def facts_of(situation: Situation) -> list[Fact]:
     facts += gravity_facts(situation.gravity)
     facts += [{"fact": "relation", **_related(r)} for r in situation.relations]
     facts += [{"fact": "part_relation", **_related(r), "parts": list(r.parts)} for r in situation.part_relations]
+    facts += [evidence_row(e) for e in situation.evidence]
     facts += [
         {"fact": "behind", "args": [f"{h.id}/{f.id}", other]}
         for h in situation.hypotheses
@@ -65,12 +69,27 @@ def situation_of(document: Interpretation) -> Situation:
         part_relations=tuple(
             _relation(f, (f["parts"][0], f["parts"][1])) for f in facts if f["fact"] == "part_relation"
         ),
+        evidence=tuple(_evidence(f) for f in facts if f["fact"] == "evidence"),
         priors=dict(document["priors"]),
         dv=dict(document["measures"]["dv"]),
+        dv_over=document["measures"].get("dv_over", "types"),
         rank=dict(document["measures"]["rank"]),
+        types={name: type_of(row) for name, row in document.get("types", {}).items()},
         rules=document["rules"],
         stopped=stopped_in(document),
     )
+
+
+def evidence_row(e: EvidenceFact) -> EvidenceRow:
+    """As in ``facts`` of the document."""
+    states: list[StateRow] = [{"probability": p, "relations": list(relations)} for p, relations in e.states]
+    pairs = [list(pair) for pair in e.pairs]
+    return {"fact": "evidence", "pairs": pairs, "withheld": list(e.withheld), "states": states}
+
+
+def _evidence(row: EvidenceRow) -> EvidenceFact:
+    states = tuple((float(s["probability"]), cast("tuple[Roc, ...]", tuple(s["relations"]))) for s in row["states"])
+    return EvidenceFact(tuple((x, y) for x, y in row["pairs"]), states, tuple(row["withheld"]))
 
 
 def _related(r: PairFact) -> RelatedRow:
@@ -85,7 +104,25 @@ def _relation(fact: RelatedRow, parts: tuple[str, str] = ("", "")) -> PairFact:
 
 
 def _pairs(facts: Sequence[Fact], name: str) -> frozenset[tuple[str, str]]:
-    return frozenset((f["args"][0], f["args"][1]) for f in facts if f["fact"] == name)
+    return frozenset((f["args"][0], f["args"][1]) for f in facts if f["fact"] != "evidence" and f["fact"] == name)
+
+
+def type_of(row: TypeRow) -> TypeFact:
+    """Return how the type is seen; its tree, and the features without lobes, are told with its hypotheses."""
+    features = tuple((str(f[0]), str(f[1])) for f in row["features"])
+    looks = (
+        LookFact(features[int(f)][0], row["looks"][int(look)], (x, y, z), half, low, high)
+        for f, look, x, y, z, half, low, high, _ in row["lobes"]
+    )
+    facets, faces = (tuple(map(tuple, polygons)) for polygons in (row.get("facets", ()), row.get("faces", ())))
+    return TypeFact(features, looks=tuple(looks), facets=facets, faces=faces)
+
+
+def _wrong_lobes(document: Interpretation) -> Iterator[str]:
+    for name, row in document.get("types", {}).items():
+        for i, (feature, look, *_) in enumerate(row["lobes"]):
+            if not (feature < len(row["features"]) and look < len(row["looks"])):
+                yield f"types: {name}: lobes: {i}: there is no feature {feature} with look {look}"
 
 
 def _hypothesis(h: HypothesisRow) -> Hypothesis:
@@ -179,7 +216,8 @@ def interpretation_in(document: object, name: str, formats: str = "{}") -> Inter
     if not isinstance(document, dict) or document.get("format") != FORMAT:
         raise InterpretationError(f"{name}: format: should be {formats.format(repr(FORMAT))}")
     interpretation = cast("Interpretation", document)
-    wrong = mistakes(document, Interpretation) or list(faults(situation_of(interpretation)))
+    wrong = mistakes(document, Interpretation) or list(_wrong_lobes(interpretation))
+    wrong = wrong or list(faults(situation_of(interpretation)))
     if wrong:
         raise InterpretationError(*(f"{name}: {line}" for line in wrong))
     return interpretation

@@ -7,10 +7,12 @@ from collections.abc import Iterable, Iterator
 from geometry.visibility.roc import ROC20, coarse
 from plogic.base.errors import SituationError
 from plogic.facts.hypothesis import FeatureFact, Hypothesis
-from plogic.facts.situation import PairFact, Situation
+from plogic.facts.situation import EvidenceFact, PairFact, Situation
 from plogic.facts.spatial import GROUND, Gravity, Space
 
 Ids = frozenset[str]
+SUMS = 1e-6
+"""By so much a sum of written probabilities may be off 1."""
 
 
 def check(situation: Situation) -> None:
@@ -31,6 +33,8 @@ def faults(situation: Situation) -> Iterator[str]:
     nodes = {h.id: frozenset(part.id for part in h.parts) | {""} for h in situation.hypotheses}
     for relation in (*situation.relations, *situation.part_relations):
         yield from _of_relation(relation, ids, nodes)
+    for evidence in situation.evidence:
+        yield from _of_evidence(evidence, ids)
     yield from _of_space(situation.space, ids)
     if situation.gravity is not None:
         yield from _of_gravity(situation.gravity, ids)
@@ -81,6 +85,20 @@ def _of_relation(fact: PairFact, ids: Ids, nodes: dict[str, Ids]) -> Iterator[st
     for name, part in zip((fact.x, fact.y), fact.parts, strict=True):
         if name in nodes:
             yield from _unknown(f"relation {fact.relation}: parts of {name}", (part,), nodes[name])
+
+
+def _of_evidence(fact: EvidenceFact, ids: Ids) -> Iterator[str]:
+    """Known hypotheses and relations, one to each pair, and probabilities that sum to 1."""
+    yield from _unknown("evidence", [*fact.withheld, *(name for pair in fact.pairs for name in pair)], ids)
+    yield from (f"evidence: {x!r} is paired with itself" for x, y in fact.pairs if x == y)
+    shares = [share for share, _ in fact.states]
+    yield from _numbers((("evidence: probability", share) for share in shares), 0.0, 1.0)
+    if not abs(sum(shares) - 1.0) <= SUMS:
+        yield f"evidence: probabilities sum to {sum(shares)!r}, not to 1"
+    for _, relations in fact.states:
+        if len(relations) != len(fact.pairs):
+            yield f"evidence: {len(relations)} relations of {len(fact.pairs)} pairs"
+        yield from (f"evidence: {name!r} is no relation of ROC-20" for name in relations if name not in ROC20)
 
 
 def _of_hypothesis(h: Hypothesis, ids: Ids, data: Ids) -> Iterator[str]:

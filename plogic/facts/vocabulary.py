@@ -242,7 +242,7 @@ VOCABULARY: tuple[Entry, ...] = (
         2,
         "opaque X hides every self-visible feature of Y, and there is one (D5, feature form)",
         "hides_all_features(X, Y)",
-        "hides_all_features(X, Y) :- hypothesis(Y, _), opaque(X), behind(Y, X).",
+        "hides_all_features(X, Y) :- hypothesis(Y, _), behind(Y, X), opaque(X).",
     ),
     Entry(
         "roc",
@@ -250,7 +250,8 @@ VOCABULARY: tuple[Entry, ...] = (
         "the relation of X to Y is this one of ROC-20, by outlines and depth (§3.7); X and Y are hypotheses, of which exactly one holds, "
         "or parts that are objects",
         "roc(Relation, X, Y)",
-        "roc(R, X, Y) :- outline_roc(R, X, Y), present(X), present(Y).\nroc(R, X, Y) :- part_roc(R, X, Y), node(X), node(Y).",
+        "roc(R, X, Y) :- outline_roc(R, X, Y), present(X), present(Y).\n"
+        "roc(R, X, Y) :- part_roc(R, X, Y), node(X), node(Y).",
     ),
     Entry(
         "occludes",
@@ -264,15 +265,63 @@ VOCABULARY: tuple[Entry, ...] = (
     _coarse("partially_occludes", "X is in front of a part of Y (D6, by outlines)"),
     _coarse("mutually_occludes", "each is in front of a part of the other, or they coincide"),
     _coarse("non_occludes", "neither is in front of a part of the other"),
-    Entry("opaque", 1, "H's surface is opaque (A5, A6)", "opaque(H)", "opaque(H) :- opaque_surface(H)."),
+    Entry(
+        "surface_of",
+        2,
+        "S is the surface `surface(X)` of X, a present hypothesis or a part of it that is an object (§4.2)",
+        "surface_of(S, X)",
+        "surface_of(S, X) :- bounds(S, H), present(H), S = surface(X).",
+    ),
+    Entry(
+        "surface_part",
+        2,
+        "S is part of the surface of the present hypothesis H: `facet(H, Features)`, `face(H, Features)`, "
+        "or the surface of a part",
+        "surface_part(S, H)",
+        "surface_part(S, H) :- bounds(S, H), S \\= surface(H), present(H).",
+    ),
+    Entry(
+        "opaque",
+        1,
+        "X is opaque: a hypothesis, its surface, or a part of either (A5, A6)",
+        "opaque(X)",
+        "opaque(H) :- opaque_surface(H).\nopaque(H/P) :- bounds(surface(H/P), H), opaque_surface(H).\n"
+        "opaque(S) :- bounds(S, H), opaque_surface(H).",
+    ),
+    Entry(
+        "evidence_roc",
+        3,
+        "the relation of X to Y by what is detected of both, not by their poses, is this one of ROC-20 (§8, last paragraph); where "
+        "one pose is withheld, roc is this",
+        "evidence_roc(Relation, X, Y)",
+        "evidence_roc(R, X, Y) :- stands(S), said_roc(S, R, X, Y), present(X), present(Y).",
+    ),
+    Entry(
+        "evidence_relation",
+        3,
+        "the same, of the four coarse relations",
+        "evidence_relation(Relation, X, Y)",
+        "evidence_relation(R, X, Y) :- stands(S), said_relation(S, R, X, Y), present(X), present(Y).",
+    ),
     Entry("dv", 2, "V is the distinctiveness of the feature type (§5.1)", "dv(Type, V)", ""),
+    Entry(
+        "drawn", 1, "a feature that is drawn from Σo is of the type: its probability is P(dv) (§5.1)", "drawn(Type)", ""
+    ),
     Entry("rank", 2, "V is the rank of the object type (§5.3)", "rank(Type, V)", ""),
     Entry(
         "ev",
         2,
         "V is the explanatory value of the present H, given which of its occluders are present (§5.4, §5.5)",
         "ev(H, V)",
-        "ev(H, V) :- hypothesis(H, _), present(H), context(H, C), ev_given(H, C, V).",
+        "ev(H, V) :- hypothesis(H, _), present(H), context(H, C), ev_in(H, C, V).",
+    ),
+    Entry(
+        "ev_holds",
+        2,
+        "H is accepted where of its occluders just those in the list are present: its probability is P(ev) (§5.4)",
+        "ev_holds(H, Occluders)",
+        "",
+        "score",
     ),
     *SPACE,
 )

@@ -36,7 +36,7 @@ from plogic.inference.ranked_tables import DIGITS, Digits, joint, placed
 State = tuple[float, tuple[int, ...]]
 
 STATES = 1 << 10  # joint states up to which a graph is small
-FACTORS = 64  # likewise
+FACTORS = 64  # and variables, for an array has no more axes; likewise
 SPAN = 2.0**14  # nats below the best state, likewise: 64 sums of doubles of this size are exact to 8e-12
 _CHUNK = 64  # states that are decoded together
 
@@ -48,7 +48,8 @@ def whole(graph: FactorGraph, tie: float) -> Iterator[tuple[float, tuple[int, ..
     ``tie``.
     """
     cards, factors = graph.cards, graph.factors
-    if not 0 < len(factors) <= FACTORS or math.prod(cards) > STATES or graph.constant == -math.inf:
+    small = 0 < len(factors) <= FACTORS and len(cards) <= FACTORS and math.prod(cards) <= STATES
+    if not small or graph.constant == -math.inf:
         return None
     flat = np.concatenate([factor.table for factor in factors], axis=None)
     sizes = [factor.table.size for factor in factors]

@@ -10,6 +10,7 @@ of each direction of view in turn; how many were left out is said.
 
 import base64
 from collections.abc import Mapping
+from dataclasses import replace
 from typing import Literal
 
 import cv2
@@ -18,6 +19,11 @@ from numpy.typing import NDArray
 
 from kb.clouds.cloud import KnowledgeBase, ObjectType
 from plogic.facts.document import AssetsRow, MeshRow, SensingRow, TypeRow
+from plogic.facts.hypothesis import part_facts
+from plogic.facts.interpretation import type_of
+from plogic.facts.situation import Reading, Reconsider, Situation
+from plogic.measures.distinctiveness import distinctiveness, instance_counts
+from plogic.scene.readings.world_weights import DEFAULT_PRIOR
 
 Floats = NDArray[np.float64]
 
@@ -46,9 +52,36 @@ def types_document(types: Mapping[str, ObjectType], kb: KnowledgeBase) -> dict[s
     """By type: its ``features`` as [id, type, x, y, z], its ``looks``, and ``lobes`` as rows of numbers.
 
     A lobe is [feature, look, axis x, y, z, half angle, least and greatest distance, hit rate]; metres, radians, object
-    frame, rounded.
+    frame, rounded. ``facets`` and ``faces``: those of its surface whose corners are
+    features.
     """
     return {name: _table(kind, kb) for name, kind in sorted(types.items())}
+
+
+def sigma(kb: KnowledgeBase, reading: Reading, reconsider: Reconsider) -> Situation:
+    """Σ without any Δ or Γ: what the program of a knowledge base says (§9.8)."""
+    kinds = {kind.name: kind for kind in kb.types}
+    rows = types_document(kinds, kb)
+    types = {
+        name: replace(
+            type_of(rows[name]),
+            features=tuple((feature.name, feature.type) for feature in kind.seen_features),
+            parts=part_facts(kind),
+            opaque=kind.opaque,
+        )
+        for name, kind in kinds.items()
+    }
+    return Situation(
+        reading,
+        (),
+        (),
+        reconsider,
+        types=types,
+        priors={name: kb.rates.prior.get(name, DEFAULT_PRIOR) for name in kinds},
+        dv=distinctiveness(instance_counts(kb.types)),
+        hit_rates=dict(kb.rates.hit),
+        rules=kb.rules or "",
+    )
 
 
 def _table(kind: ObjectType, kb: KnowledgeBase) -> TypeRow:
@@ -69,6 +102,10 @@ def _table(kind: ObjectType, kb: KnowledgeBase) -> TypeRow:
         ],
         "measured": kind.learned is not None,
     }
+    if kind.facets:
+        document["facets"] = [list(corners) for corners in kind.facets]
+    if kind.faces:
+        document["faces"] = [list(corners) for corners in kind.faces]
     return {**document, "left_out": {"lobes": len(hit) - len(kept)}} if len(kept) < len(hit) else document
 
 

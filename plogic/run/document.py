@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from geometry.camera import camera_to_dict
 from kb.clouds.cloud import KnowledgeBase
 from plogic.cycle.delta import Delta
-from plogic.cycle.lumped import left_out, looked_at, support_document, told, told_as
+from plogic.cycle.lumped import left_out, looked_at, support_document, told, told_as, types_told
 from plogic.facts.dependence import Scene
 from plogic.facts.document import (
     ApartKey,
@@ -27,6 +27,7 @@ from plogic.facts.document import (
     Listed,
     RejectedRow,
     RelationRow,
+    SharesRow,
     Status,
     StepRow,
     Verdict,
@@ -73,8 +74,8 @@ def document_of(
     With ``seconds``, what is known of relations by then.
     """
     situation = delta.situation
-    counts = instance_counts(kb.types)
-    dv = distinctiveness(counts)
+    counts, dv = instance_counts(kb.types), delta.dv
+    over_types = types_told(distinctiveness(counts), kb, situation.hypotheses)
     kinds = {b.object_type.name: b.object_type for b in delta.beliefs.values()}
     return {
         "format": FORMAT,
@@ -97,7 +98,7 @@ def document_of(
         **gravity_document(situation.gravity),  # type: ignore[typeddict-item] # no deadline's marks yet
         "measures": {
             "dv": situation.dv,
-            "p_dv": {name: p for name, p in probability_of_distinctiveness(counts).items() if name in situation.dv},
+            **_shares(situation, over_types, probability_of_distinctiveness(counts)),
             "rank": situation.rank,
         },
         "priors": situation.priors,
@@ -108,6 +109,14 @@ def document_of(
         "assets": {**image_asset(image), **mesh_assets(kinds)},
         "trace": trace,
     }
+
+
+def _shares(situation: Situation, over_types: dict[str, float], shares: Mapping[str, float]) -> SharesRow:
+    """P(dv) of each feature type, and where dv is over the instances in Δ, that over the types of Σo too."""
+    if situation.dv_over == "types":
+        return {"p_dv": {name: p for name, p in shares.items() if name in situation.dv}}
+    p_dv = {name: 1.0 - value for name, value in situation.dv.items()}
+    return {"p_dv": p_dv, "dv_over": situation.dv_over, "dv_types": over_types}
 
 
 def _worlds(ranking: Ranking, situation: Situation, *, short: bool) -> Listed:

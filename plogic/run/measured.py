@@ -75,6 +75,7 @@ def measured(document: Interpretation) -> tuple[tuple[Measure, ...], tuple[Disti
     status = {h["id"]: h["status"] for h in document["hypotheses"]}
     believed = frozenset(name for name, said in status.items() if said == "accepted")
     scenes = {mode: Scene(replace(situation, reconsider=mode)) for mode in MODES}
+    over_types = document["measures"].get("dv_types", situation.dv)
     over_delta = dv_over_instances([h for h in situation.hypotheses if h.id in believed], situation.dv)
     posterior = ranked_worlds(replace(situation, reading="posterior"), 1).marginals
     sensing = document.get("sensing")
@@ -91,15 +92,14 @@ def measured(document: Interpretation) -> tuple[tuple[Measure, ...], tuple[Disti
             ev_over_instances=None if over_delta is None else explanatory_value(_support(h), over_delta),
             shanahan=None if noise is None else _shanahan(h, situation, noise),
             posterior=posterior[h.id],
-            dv=_mean(h, situation.dv),
+            dv=_mean(h, over_types),
             dv_over_instances=None if over_delta is None else _mean(h, over_delta),
             rank=situation.rank.get(h.type),
         )
         for h in situation.hypotheses
     ]
     features = [
-        Distinctive(name, value, None if over_delta is None else over_delta[name])
-        for name, value in situation.dv.items()
+        Distinctive(name, value, None if over_delta is None else over_delta[name]) for name, value in over_types.items()
     ]
     return tuple(rows), tuple(features)
 

@@ -14,6 +14,7 @@ from plogic.base.errors import InconsistentError, InputError
 from plogic.base.jobs import processors
 from plogic.base.remembered import cache_folder
 from plogic.cycle.delta import Delta, Options, delta_of
+from plogic.cycle.judging import over_instances
 from plogic.cycle.perception import Seed, attend, perceive
 from plogic.cycle.state import Cycle, Task
 from plogic.facts.document import Interpretation, StepRow
@@ -125,7 +126,8 @@ class Perceiver:
         self, data: Data, cycle: Cycle, options: Options, clock: Stopwatch
     ) -> tuple[Delta, tuple[Hypothesis, ...], list[StepRow]]:
         with clock.stage("facts"):
-            delta = delta_of(cycle, data, self.kb, self.dv, options, models=self.models)
+            cycle, dv = over_instances(cycle, self.kb) if options.dv_over == "instances" else (cycle, self.dv)
+            delta = delta_of(cycle, data, self.kb, dv, options, models=self.models)
         return delta, cycle.rejected, cycle.trace.document()
 
     def cycle(
@@ -159,8 +161,9 @@ def ranked(delta: Delta, trace: list[StepRow], seconds: float | None = None) -> 
     """The worlds of Δh; with ``seconds``, what is known of them by then.
 
     Where dogmatic P(ev) of 0 and 1 leave none (§8, trap c), or none with anything that was accepted, the program is
-    smoothed. The trace says so, and of which accepted hypotheses the probability is 0.
+    smoothed, if that helps. The trace says so, and of which accepted hypotheses the probability is 0.
     """
+    lost = False
     accepted = [name for name, belief in delta.beliefs.items() if belief.status == "accepted"]
     try:
         ranking = ranked_worlds(delta.situation, LISTED_WORLDS, seconds=seconds)
@@ -171,9 +174,11 @@ def ranked(delta: Delta, trace: list[StepRow], seconds: float | None = None) -> 
         if delta.situation.smoothing > 0.0:
             raise
     if why and delta.situation.smoothing == 0.0:
-        trace.append(_step(len(trace) + 1, "smooth", f"{why}: the score program is smoothed by {SMOOTHED}"))
-        delta = replace(delta, situation=replace(delta.situation, smoothing=SMOOTHED))
-        ranking = ranked_worlds(delta.situation, LISTED_WORLDS, seconds=seconds)
+        smoothed = replace(delta, situation=replace(delta.situation, smoothing=SMOOTHED))
+        again = ranked_worlds(smoothed.situation, LISTED_WORLDS, seconds=seconds)
+        if not lost or any(again.marginals[name] for name in accepted):  # else the author's constraints exclude it all
+            trace.append(_step(len(trace) + 1, "smooth", f"{why}: the score program is smoothed by {SMOOTHED}"))
+            delta, ranking = smoothed, again
     for name in (name for name in accepted if ranking.marginals[name] == 0.0):
         trace.append(_step(len(trace) + 1, "impossible", IMPOSSIBLE, name, delta.beliefs[name]))
     return delta, ranking

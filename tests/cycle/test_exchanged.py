@@ -9,7 +9,7 @@ import pytest
 from planks import interleaved, planks
 
 from geometry.frames import pose_error
-from plogic.cycle import perception
+from plogic.cycle import choosing, perception
 from plogic.match.judged.rivals import DEEP, contacts
 from plogic.run.perceive import Perceiver
 
@@ -45,3 +45,25 @@ def test_one_that_shares_volume_as_estimated_is_accepted_where_all_can_be_moved_
     before, _ = accepted_in(seed, *THIN)
     assert len(before) == 2
     assert sum(h.worth for h in accepted) > sum(h.worth for h in before) + 20.0
+
+
+THICK = (0.015, 0.13, 0.5)
+"""The same of planks of 3 cm that no data of half a pixel mistake: their truth shares no volume."""
+ASIDE = (1, (0.015, 0.145, 0.5))
+"""A seed of which the nearest way out of a contact is the wrong one."""
+
+
+def test_three_interleaved_planks_are_found_each_time():
+    found = [accepted_in(seed, *THICK) for seed in range(5)]
+    assert sum(right for _, right in found) >= 14
+    assert all(len(accepted) == 3 for accepted, _ in found)
+
+
+def test_two_leave_each_other_by_the_far_side_where_they_explain_more_so(monkeypatch):
+    seed, which = ASIDE
+    accepted, right = accepted_in(seed, *which)
+    assert right == 3
+    monkeypatch.setattr(choosing, "FALL", np.inf)
+    nearest, fewer = accepted_in(seed, *which)
+    assert (len(nearest), fewer) == (3, 2)
+    assert sum(h.worth for h in accepted) > sum(h.worth for h in nearest) + 40.0

@@ -39,6 +39,11 @@ def written(parts, options):
     return delta, ranking, json.loads(text_of(document))
 
 
+def decisive(document):
+    """The situation of a document without what it carries of types, which decides no probability."""
+    return replace(situation_of(document), types={})
+
+
 ASKED = Asking()
 ALL = [
     Options(reading=r, reconsider=m, smoothing=s)
@@ -51,7 +56,7 @@ ALL = [
 @pytest.mark.parametrize("options", ALL, ids=lambda o: f"{o.reading}-{o.reconsider}-{o.smoothing}")
 def test_the_situation_comes_back_whole(parts, options):
     delta, ranking, document = written(parts, options)
-    back = situation_of(document)
+    back = decisive(document)
     assert back == delta.situation
     assert ranked_worlds(back, 100) == ranking
 
@@ -71,7 +76,7 @@ def test_the_rejected_are_told_and_decide_nothing(parts):
     assert rejected
     assert all(h["probability"] == 0.0 and h["why"] for h in rejected)
     without = {**document, "hypotheses": [h for h in document["hypotheses"] if h["status"] != "rejected"]}
-    assert situation_of(without) == delta.situation
+    assert decisive(without) == delta.situation
 
 
 def test_cases_are_those_of_the_accepted_world(parts):
@@ -133,7 +138,19 @@ def test_a_file_is_read_back(parts, tmp_path):
     delta, _, document = written(parts, Options())
     path = tmp_path / "interpretation.json"
     path.write_text(text_of(document), encoding="utf-8")
-    assert situation_of(read_interpretation(path)) == delta.situation
+    assert decisive(read_interpretation(path)) == delta.situation
+
+
+def test_how_types_are_seen_is_read_back_as_they_are_described(parts):
+    delta, _, document = written(parts, Options())
+    assert situation_of(document).types.keys() == {"t1", "t2"}
+    for name, fact in situation_of(document).types.items():
+        kind = next(b.object_type for b in delta.beliefs.values() if b.type == name)
+        assert dict(fact.features) == {f.name: f.type for f in kind.seen_features if f.appearances}
+        assert len(fact.looks) == sum(len(f.appearances) for f in kind.seen_features)
+        assert fact.facets == kind.facets
+        assert fact.faces == kind.faces
+        assert len(fact.facets) > len(fact.faces) > 5
 
 
 def test_an_empty_gamma_round_trips():

@@ -29,7 +29,7 @@ def test_the_data_of_one_that_had_to_go_are_searched_again(monkeypatch, seed):
         searched.append(set(left.ids))
         return generate(index, left, *others, **options)
 
-    def never_apart(posed, information):
+    def never_apart(posed, information, through=()):
         return moved_apart(posed, information)[0], [(0, 1)] if len(posed) > 1 else []
 
     monkeypatch.setattr(hand_models, "generate", looked_at)

@@ -78,7 +78,8 @@ def test_what_is_accepted_with_probability_0_is_said():
 def accepted(subject):
     """All but rivals."""
     status = {h.id: "rival" if h.id == "r" else "accepted" for h in subject.hypotheses}
-    return Delta(replace(subject, hypotheses=tuple(replace(h, status=status[h.id]) for h in subject.hypotheses)))
+    told = tuple(replace(h, status=status[h.id]) for h in subject.hypotheses)
+    return Delta(replace(subject, hypotheses=told), subject.dv)
 
 
 def ring_with_rivals(rng):

@@ -17,7 +17,8 @@ from plogic.facts.vocabulary import VOCABULARY
 from plogic.scene.readings import world_weights
 from plogic.scene.text import fact_layers
 from plogic.scene.text.layout import Writer
-from plogic.scene.text.rules import COMMON, EXPECTED, fallbacks
+from plogic.scene.text.object_types import object_types
+from plogic.scene.text.rules import COMMON, EXPECTED, OBJECT_TYPES, fallbacks
 
 QUICK = settings(max_examples=60, deadline=None, derandomize=True, suppress_health_check=list(HealthCheck))
 
@@ -51,13 +52,14 @@ def by_rules(subject, world):
     w = Writer(scene, dependence(scene), names_of(subject))
     asked = [w.fact("expected", h.id, f.id).rstrip(".") for h, f in features(subject)]
     lines = [
-        *fact_layers.trees(w),
+        *object_types(w),
         *fact_layers.geometry(w),
+        OBJECT_TYPES,
         COMMON,
         *(e.clause for e in VOCABULARY if e.signature in {"opaque/1", "expected/2"}),
         *(w.fact("present", name) for name in sorted(world)),
         "present(_) :- fail.",
-        fallbacks(),
+        *fallbacks("score"),
         *(f"asked({i}) :- {goal}." for i, goal in enumerate(asked)),
         *(f"query(asked({i}))." for i in range(len(asked))),
     ]

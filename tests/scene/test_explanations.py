@@ -61,8 +61,8 @@ def test_recursion_ends():
 
 def test_an_object_is_explained_down_to_its_data():
     best = explain(towers(mode="drop"), "present(t2)").why[0]
-    assert best.choices == ("ok(t2, [t1])",), "ok(t1, []) is certain, and no choice"
-    assert "ok(t1, [])" in list(goals(best.tree))
+    assert best.choices == ("ev_holds(t2, [t1])",), "ev_holds(t1, []) is certain, and no choice"
+    assert "ev_holds(t1, [])" in list(goals(best.tree))
     assert "in_image(t2, 'apex/a0')" in [leaf.goal for leaf in leaves(best.tree)]
     assert {leaf.kind for leaf in leaves(best.tree)} <= {"fact", "choice", "absent", "check"}
 

@@ -17,6 +17,7 @@ from plogic.facts.situation import names_of
 from plogic.logic.served.engine import Text, run, through
 from plogic.logic.served.program_child import serve
 from plogic.scene.asking.live import LiveScene, scene_answers
+from plogic.scene.asking.query import answers
 from plogic.scene.text.program_text import program_text
 
 QUICK = settings(max_examples=30, deadline=None, derandomize=True, suppress_health_check=list(HealthCheck))
@@ -148,13 +149,24 @@ def test_what_the_graph_has_summed_out_is_outside(goal):
         scene_answers(towers("posterior"), [goal])
 
 
-def test_a_rule_with_a_choice_of_its_own_is_outside_and_one_without_is_not():
-    rules = Text("tall(H) :- object(H, t1). 0.5::lucky(H) :- present(H).", "mine.pl")
+def test_a_rule_with_a_choice_of_its_own_has_its_probability():
+    rules = Text("tall(H) :- object(H, t1). 0.25::lucky(H) :- present(H).", "mine.pl")
     subject = towers("posterior")
     (answer,) = scene_answers(replace(subject, own=rules), ["tall(H)"])[0]
     assert answer.goal == "tall(t1)"
+    (there,), (lucky,) = scene_answers(replace(subject, own=rules), ["present(t2)", "lucky(t2)"])
+    assert lucky.probability == pytest.approx(there.probability / 4, rel=1e-12)
+
+
+@pytest.mark.parametrize(
+    "body", ["subquery(present(t1), P), P > 0.7", "G =.. [subquery, present(t1), P], call(G), P > 0.7"]
+)
+def test_a_rule_that_asks_for_probabilities_is_outside_and_the_program_answers(body):
+    rules = Text(f"sure :- {body}.", "mine.pl")
+    subject = replace(towers("score"), own=rules)
     with pytest.raises(OutsideError):
-        scene_answers(replace(subject, own=rules), ["lucky(H)"])
+        scene_answers(subject, ["sure"])
+    assert [answer.probability for answer in answers(subject, "sure")] == [1.0]
 
 
 def test_an_unknown_predicate_is_no_question_of_inside_and_outside():

@@ -16,7 +16,7 @@ from situations import feature, hypothesis, situation
 
 from plogic.base.errors import SituationError
 from plogic.facts.hypothesis import PartFact
-from plogic.facts.situation import AppearanceFact, PairFact
+from plogic.facts.situation import AppearanceFact, LookFact, PairFact, TypeFact
 from plogic.facts.spatial import BodyFact, SharedFact, Space
 from plogic.scene.text.program_text import left_out, program_text, query_lines
 from plogic.scene.worlds.ranked_worlds import ranked_worlds
@@ -25,13 +25,13 @@ GOLDEN = Path(__file__).parent / "golden"
 
 
 def small(reading="score", mode="to_B"):
-    """Every kind of line once: a name that needs an atom, occlusion, rival, overlap, shared datum, undefined ev."""
+    """Every kind of line once: names in quotes and an atom, a look, a facet, a weight of its own, occlusion, rivals."""
     front = hypothesis(
         "h1",
         [
             feature("roof/apex", type="apex", dv=0.99, match="a1"),
             feature("corner", match="a2"),
-            feature("patch", "C", dv=0.15),
+            feature("patch", "C", type="patch", dv=0.15),
         ],
         parts=(PartFact("roof", "", "object", "roof"),),
     )
@@ -39,17 +39,24 @@ def small(reading="score", mode="to_B"):
         "h2",
         [
             feature("corner", match="a2", residual=0.9),
-            feature("patch", "C", dv=0.15, hidden_by=("h1",)),
-            feature("rim", "D", match="a3"),
+            feature("patch", "C", type="patch", dv=0.15, hidden_by=("h1",)),
+            feature("rim", "D", match="a3", dv=0.75),
         ],
     )
     rival = hypothesis("h3", [feature("corner", match="a4", self_hidden=True)], group="g_h2", opaque=False)
     nowhere = hypothesis("h4", [feature("corner", "B", in_image=False)], type="Grand Hall")
     pair = frozenset({("h2", "h3")})
+    lobe = ((0.0, 0.6, 0.8), 1.2, 0.5, 30.0)
+    cup = TypeFact((("rim", "corner"),), looks=(LookFact("rim", "l_junction", *lobe),), opaque=False)
     made = situation(
         [front, back, rival, nowhere],
         reading,
         mode,
+        dv={"apex": 0.99, "corner": 0.5, "patch": 0.15},
+        types={
+            "box": TypeFact(looks=(LookFact("corner", "l_junction", *lobe),), facets=(("corner",) * 3,)),
+            "cup": cup,
+        },
         overlaps=pair,
         rivals=pair,
         relations=(
@@ -123,7 +130,7 @@ def test_at_most_six_occluders_are_looked_at_and_the_rest_is_said():
     subject = situation([hypothesis("h1", [feature("x"), *hidden]), *others], mode="drop")
     assert left_out(subject) == {"h1": ("g6", "g7")}
     assert "% h1: not in these contexts: g6, g7" in program_text(subject)
-    assert program_text(subject).count("::ok(h1,") == 2**6
+    assert program_text(subject).count("\ncells(h1, ") == 2**6
 
 
 @pytest.mark.parametrize(

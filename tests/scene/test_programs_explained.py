@@ -9,6 +9,7 @@ import pytest
 
 from plogic.logic.served.engine import Text, run
 from plogic.scene.asking.explanations import explain
+from plogic.scene.asking.query import answers
 
 pytestmark = pytest.mark.usefixtures("programs_run_here")
 
@@ -92,3 +93,13 @@ def test_what_shares_a_head_is_told_with_its_clause():
     choices = {c for e in explain(Text(ALARM), "alarm").why for c in e.choices}
     assert "alarm :- burglary, earthquake" in choices
     assert "calls(john)" in {c for e in explain(Text(ALARM), "rings(john)").why for c in e.choices}
+
+
+def test_evidence_that_hangs_together_in_a_chain_counts():
+    """The goal shares a choice with the first observation alone, that with the second, and so on."""
+    links = "".join(
+        f"l{x}{y} :- {x}. l{x}{y} :- \\+ {y}. evidence(l{x}{y}).\n" for x, y in ("ab", "bc", "cd", "de", "ef")
+    )
+    program = Text("0.3::a. 0.4::b. 0.5::c. 0.2::d. 0.6::e. 0.9::f.\n" + links)
+    (answer,) = answers(program, "a")
+    assert explain(program, "a").probability == pytest.approx(answer.probability, abs=1e-12)

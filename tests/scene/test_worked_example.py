@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import pytest
 from situations import towers
 from stock_worlds import stock
@@ -32,15 +34,16 @@ def test_stock_problog_gives_the_same(mode, expected):
     assert theirs["present(t2_distorted)"] == pytest.approx(expected["t1", "t2_distorted"], abs=5e-4)
 
 
-def test_p_ok_in_each_context():
-    text = program_text(towers(mode="drop"))
-    labels = {line.split("::")[1]: float(line.split("::")[0]) for line in text.splitlines() if "::ok(" in line}
-    assert round(labels["ok(t2, [])."], 3) == 0.791
-    assert round(labels["ok(t2, [t1])."], 3) == 0.970
-    assert labels["ok(t1, [])."] == 1.0
+def test_p_ev_in_each_context():
+    found = stock(program_text(towers(mode="drop")) + "query(ev_holds(_, _)).\n")
+    prior = stock(program_text(replace(towers(mode="drop"), overlaps=frozenset())) + "query(ev_holds(_, _)).\n")
+    assert round(prior["ev_holds(t2,[])"], 3) == 0.791
+    assert round(prior["ev_holds(t2,[t1])"], 3) == 0.970
+    assert prior["ev_holds(t1,[])"] == pytest.approx(1.0, abs=1e-12)
+    assert found["ev_holds(t2,[t1])"] != prior["ev_holds(t2,[t1])"], "A4 is evidence"
 
 
 def test_ev_of_the_four_rows():
-    text = program_text(towers(mode="drop")) + "query(ev(_, _)). query(ev_given(_, _, _)).\n"
-    found = {goal.split("],")[-1] for goal in stock(text) if goal.startswith("ev_given")}
+    text = program_text(towers(mode="drop")) + "query(ev(_, _)). query(ev_in(_, _, _)).\n"
+    found = {goal.split("],")[-1] for goal in stock(text) if goal.startswith("ev_in")}
     assert sorted(round(float(value.rstrip(")")), 2) for value in found) == [-0.51, 0.58, 0.94, 1.0]

@@ -138,22 +138,23 @@ def kb_check(folder: str, as_json: bool) -> None:  # noqa: FBT001 - click hands 
 @click.argument("folder")
 @click.argument("name", metavar="[TYPE]", required=False)
 @click.option("--html", metavar="FILE", help="Write a page that shows TYPE in 3D instead; `-` is stdout.")
+@click.option("--geometry", is_flag=True, help="Show mereology, faces, vector pencils and sets of four that converge.")
 @AS_JSON
-def kb_show(folder: str, name: str | None, html: str | None, as_json: bool) -> None:  # noqa: FBT001 - click hands over flags
+def kb_show(folder: str, name: str | None, html: str | None, geometry: bool, as_json: bool) -> None:  # noqa: FBT001 - click hands over flags
     """Show the trees of parts, of all types or of TYPE, the counts and dv.
 
     With --html: TYPE in 3D, with its features and their lobes.
     """
     if html is not None:
-        if as_json:
-            raise click.UsageError("--html and --json do not go together")
+        if as_json or geometry:
+            raise click.UsageError(f"--html and {'--json' if as_json else '--geometry'} do not go together")
         from plogic.face.authoring.kb_show import page_command
 
         page_command(folder, name, html, say=say, write=emit)
         return
     from plogic.face.authoring.kb_show import show_command
 
-    emit(show_command(folder, name, as_json=as_json))
+    emit(show_command(folder, name, geometry=geometry, as_json=as_json))
 
 
 @kb.command("measures")

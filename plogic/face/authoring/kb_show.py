@@ -7,19 +7,26 @@ from typing import TYPE_CHECKING, Any, Literal
 
 from kb.files.schema import json_schema
 from kb.shown.show import check_report, tree_document, tree_text
-from plogic.base.errors import InputError
+from plogic.base.errors import InconsistentError, InputError
 from plogic.face.shown.options import written
 from plogic.face.shown.tables import plain_table
 from plogic.measures.distinctiveness import distinctiveness, instance_counts, probability_of_distinctiveness
 from plogic.run.sources import kb_of
+from plogic.scene.worlds.blame import blamed_without_scene
 
 if TYPE_CHECKING:
     from kb.clouds.cloud import KnowledgeBase, ObjectType
 
 
 def check_command(folder: str, *, as_json: bool) -> str:
-    """Read the KB; every mistake is raised at once. The text says what was read, and warns of what matters."""
+    """Read the KB; every mistake is raised at once. The text says what was read, and warns of what matters.
+
+    Raises InconsistentError too, where the author's rules leave no world, whatever is seen.
+    """
     kb = kb_of(folder)
+    excluded = blamed_without_scene(kb.rules)
+    if excluded is not None:
+        raise InconsistentError(f"{folder}: {excluded}, whatever is seen")
     lines = check_report(kb)
     if as_json:
         warnings = [line.removeprefix("warning: ") for line in lines if line.startswith("warning: ")]
@@ -29,10 +36,16 @@ def check_command(folder: str, *, as_json: bool) -> str:
     return "\n".join(lines)
 
 
-def show_command(folder: str, name: str | None = None, *, as_json: bool) -> str:
-    """The trees, of one type where it is named; the counts and dv, which are about all types."""
+def show_command(folder: str, name: str | None = None, *, geometry: bool = False, as_json: bool) -> str:
+    """The trees, of one type where it is named; the counts and dv, which are about all types. Or the ``geometry``."""
     kb = kb_of(folder)
     shown = kb if name is None else replace(kb, types=(type_of(kb, name),))
+    if geometry:
+        from plogic.face.authoring.kb_geometry import geometry_rows, geometry_text
+
+        if as_json:
+            return json.dumps({"format": "kb_geometry/1", "kb": kb.name, "types": geometry_rows(kb, shown.types)})
+        return geometry_text(kb, shown.types)
     if as_json:
         return json.dumps({**tree_document(shown), "format": "kb_show/1"})
     return tree_text(shown) + "\n\n" + measures_command(folder, None, as_json=False)

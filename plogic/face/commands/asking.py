@@ -23,7 +23,7 @@ from plogic.logic.served.engine import TOO_DEEP, ProgramRanking
 from plogic.run.sources import is_program
 from plogic.scene import document as rows
 from plogic.scene.readings.unfinished import flagged, marks, with_notice
-from plogic.scene.worlds.predictions import doubts, said
+from plogic.scene.worlds.predictions import doubts, said, weighed
 from plogic.scene.worlds.ranked_worlds import Ranking
 
 LATE = 3
@@ -40,7 +40,7 @@ def worlds_command(
     source: str, number: int, given: Sequence[str], options: Asking, *, as_json: bool
 ) -> tuple[str, int]:
     """The ranked worlds, taken anew, so that any number of them can be had; exit 3 where the deadline was reached."""
-    asked = opened(source, options.reading, trust=options.trust)
+    asked = opened(source, options.reading, trust=options.trust, withhold=options.withhold)
     found, ranking = ranked(asked.beside(options.rules), number, given, asked.limits, options.deadline)
     if isinstance(asked, Interpretation):
         if isinstance(ranking, Ranking):
@@ -65,7 +65,7 @@ def _of_graph(asked: Interpretation, found: Worlds, ranking: Ranking, number: in
 
         table = tables.worlds({**asked.document, "worlds": listed, "unlisted_mass": list(found.unlisted)}, number)
         lines = "".join([tables.text_of_table(table), *(f"{line}\n" for line in exclusion_lines(asked.document))])
-        doubtful = [said(doubt) for doubt in doubts(asked.subject)]
+        doubtful = [said(doubt) for doubt in weighed(doubts(asked.subject), asked.document)]
         return "\n".join([lines.rstrip(), "", *doubtful, ""]) if doubtful else lines
 
     return _told(answer, found, text, MORE if exact else MIDDLES, as_json=as_json)
@@ -150,7 +150,7 @@ def query_command(
 
     Exit 3 where the deadline was reached, answers then being intervals.
     """
-    asked = opened(source, options.reading, trust=options.trust)
+    asked = opened(source, options.reading, trust=options.trust, withhold=options.withhold)
     found = asked.query(goal, given=given, rules=options.rules, deadline=options.deadline)
     document: rows.Answers = {
         "format": "answers/1",
@@ -174,7 +174,7 @@ def explain_command(
 
     With a ``number`` of None the presence of an interpretation's hypothesis is summed up over its features instead.
     """
-    asked = opened(source, options.reading, trust=options.trust)
+    asked = opened(source, options.reading, trust=options.trust, withhold=options.withhold)
     try:
         found = asked.explain(
             goal, given=given, rules=options.rules, n=EXPLANATIONS if number is None and as_json else number

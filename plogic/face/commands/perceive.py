@@ -28,6 +28,7 @@ from plogic.run.perceive import perceiver_of
 from plogic.run.sources import detected, gamma_of, image_of, is_gamma, kb_of, sized
 from plogic.scene.readings.unfinished import REASONS
 from plogic.scene.worlds.predictions import Doubt, said
+from plogic.sequence.unposed.reading import doubts_weighed
 from sensing.appearance import Gamma
 from sensing.files.gamma_files import read_gamma
 from sensing.files.images import read_image
@@ -69,6 +70,9 @@ def _of_one(source: str, options: Perceiving, say: Say, write: Say) -> int:
     with clock.stage("index"):
         perceiver = perceiver_of(kb, options.generator)
     document = perceiver(gamma, _chosen(options), image, clock)
+    if options.deadline is None:
+        with clock.stage("doubts"):
+            document = doubts_weighed(document)
     status = _write_all(document, options, image, clock, write)
     for line in (_summary(document, clock), *_impossible(document), *_doubts(document)):
         say(line)
@@ -118,7 +122,7 @@ def _side(
 def _chosen(options: Perceiving) -> Options:
     """The options of the cycle; its deadline is counted from now on."""
     end = monotonic() + options.deadline if options.deadline else None
-    return Options(options.reading, options.reconsider, options.smoothing, end)
+    return Options(options.reading, options.reconsider, options.smoothing, end, options.dv_over)
 
 
 def _tell_unchecked(kb: KnowledgeBase, say: Say) -> None:
@@ -174,11 +178,7 @@ def picture_of(document: Interpretation, image: NDArray[Any] | None) -> bytes:
 def _doubts(document: Interpretation) -> list[str]:
     """What the relations of accepted objects predict in vain (§3.8); of others the document says it."""
     accepted = {h["id"] for h in document["hypotheses"] if h["status"] == "accepted"}
-    return [
-        said(Doubt(row["relation"], (row["args"][0], row["args"][1]), row["expected"], row["found"], row["why"]))
-        for row in document["doubts"]
-        if set(row["args"]) <= accepted
-    ]
+    return [said(Doubt.of(row)) for row in document["doubts"] if set(row["args"]) <= accepted]
 
 
 def _impossible(document: Interpretation) -> list[str]:
@@ -211,15 +211,22 @@ def _of_sequence(frames: Sequence[str], options: Perceiving, say: Say, write: Sa
 
     Where a frame cannot be read, what was made of those before it is written first.
     """
+    from plogic.logic.safety.author import observes
     from plogic.sequence.constancy.sight_lines import View
     from plogic.sequence.views.panorama import Panorama, ahead, panorama_document
 
+    if options.dv_over != "types":
+        raise InputError("--dv-over instances: is of one image; give one INPUT, or leave it out")
     for key in ("report", "picture", "timings"):
         if getattr(options, key):
             raise InputError(f"--{key}: is made of one frame; give one INPUT, or leave it out")
     check_places(_places(options))
     kb = kb_of(options.kb)
     _tell_unchecked(kb, say)
+    if observes(kb.rules):
+        say(
+            "rules.pl: over several views it counts who is present; relations are of one view, and are not told to rules"
+        )
     poses, foreseen = _placed_frames(frames, options.poses)
     if options.poses is None and not all(is_gamma(frame) for frame in frames):
         say("all images are taken to be from the one place that --camera tells; where the camera moved, give --poses")

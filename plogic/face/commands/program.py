@@ -1,20 +1,45 @@
 """``plogic program``, ``report`` and ``measures``: an interpretation as program text, as a page and as tables."""
 
 import json
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import asdict, replace
 
+from plogic.base.errors import InputError
 from plogic.face.shown.options import written
 from plogic.facts.interpretation import read_interpretation, situation_of
 from plogic.facts.situation import Reading
 from plogic.scene.readings.unfinished import marks, with_notice
 
 
-def program_command(interpretation: str, reading: Reading | None, *, as_json: bool = False) -> str:
-    """The ProbLog text with its queries."""
+def program_command(
+    interpretation: str | None,
+    kb: str | None,
+    *,
+    reading: Reading | None = None,
+    withhold: Sequence[str] = (),
+    as_json: bool = False,
+) -> str:
+    """The ProbLog text of an interpretation with its queries, or of a knowledge base: Σ alone.
+
+    As somebody would write it who does not know the poses that are withheld. Raises InputError where both are given, or
+    none.
+    """
     from plogic.scene.text.program_text import program_text, query_lines
 
-    situation = situation_of(read_interpretation(interpretation))
+    if (interpretation is None) == (kb is None):
+        raise InputError("give an interpretation, or --kb KB: the program is of one of them")
+    if kb is not None:
+        from plogic.run.carried import sigma
+        from plogic.run.sources import kb_of
+
+        situation = sigma(kb_of(kb), "score", "to_B")
+    else:
+        document = read_interpretation(str(interpretation))
+        if withhold:
+            from plogic.sequence.unposed.elsewhere import without_poses
+
+            document = without_poses(document, withhold)
+        situation = situation_of(document)
     situation = situation if reading is None else replace(situation, reading=reading)
     text = program_text(situation) + "\n" + query_lines(situation)
     told = {"format": "program/1", "reading": situation.reading, "program": text, **marks(situation.stopped)}

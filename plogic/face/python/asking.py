@@ -33,6 +33,10 @@ class Asked:
         """The situation, or the program's text, that questions are put to."""
         raise NotImplementedError
 
+    def about(self, goal: str | None) -> "Asked":  # noqa: ARG002 - not everything can be asked about more
+        """Return the same with what the goal asks for and takes time to find out."""
+        return self
+
     @property
     def limits(self) -> Limits:
         """The wall time and memory that one question may take."""
@@ -64,7 +68,7 @@ class Asked:
         Raises:
             Error: naming file, line and column where the goal or the program cannot be used.
         """
-        subject, evidence = self.beside(rules), literals(given)
+        subject, evidence = self.about(goal).beside(rules), literals(given)
         goal = goal if goal is not None or isinstance(subject, Text) else "present(H)"
         if deadline is None:
             found, exact = answers(subject, goal, given=evidence, limits=self.limits), True
@@ -112,7 +116,7 @@ class Asked:
         Raises:
             Error: as ``query``.
         """
-        subject, evidence = self.beside(rules), literals(given)
+        subject, evidence = self.about(goal).beside(rules), literals(given)
         summary = present(subject, goal, given=evidence) if n is None else None
 
         def whole() -> Account:

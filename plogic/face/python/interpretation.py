@@ -1,7 +1,7 @@
 """An interpretation for Python: what a picture shows, and everything that can be asked of it."""
 
 import base64
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
@@ -17,7 +17,7 @@ from plogic.face.session.results import World, Worlds
 from plogic.face.shown.figures import chance, interval, signed
 from plogic.facts import document as rows
 from plogic.facts import interpretation
-from plogic.facts.situation import Reading, Situation
+from plogic.facts.situation import DvOver, Reading, Situation
 from plogic.run.measured import Distinctive, Measure, measured
 from plogic.run.sources import is_program
 from plogic.scene.text.program_text import program_text, query_lines
@@ -49,10 +49,14 @@ FEATURES = (
 
 @dataclass(frozen=True, repr=False)
 class Measures(Rows[Measure]):
-    """A row each hypothesis of Δh, in its order; ``features``: dv of each feature type."""
+    """A row each hypothesis of Δh, in its order; ``features``: dv of each feature type.
+
+    ``dv_over``: what ev is weighed by, dv over the types of Σo or over the instances in Δ (§5.1).
+    """
 
     hypotheses: tuple[Measure, ...]
     features: tuple[Distinctive, ...]
+    dv_over: DvOver = "types"
 
     @property
     def rows(self) -> tuple[Measure, ...]:
@@ -64,7 +68,8 @@ class Measures(Rows[Measure]):
         columns = (Column("hypothesis"), Column("status"), *(Column(title, right=True) for title in TITLES.values()))
         rows = tuple((f"{h.type} {h.id}", h.status, *(_cell(h, name) for name in TITLES)) for h in self.hypotheses)
         kinds = tuple((f.type, chance(f.over_types), chance(f.over_instances)) for f in self.features)
-        return Table("hypotheses", columns, rows), Table("feature types", FEATURES, kinds)
+        over = "" if self.dv_over == "types" else ", ev weighed by dv over the instances in Δ"
+        return Table(f"hypotheses{over}", columns, rows), Table("feature types", FEATURES, kinds)
 
 
 def measures_of(document: rows.Interpretation) -> Measures:
@@ -72,7 +77,7 @@ def measures_of(document: rows.Interpretation) -> Measures:
 
     Raises SituationError where the posterior cannot be computed exactly.
     """
-    return Measures(*measured(document))
+    return Measures(*measured(document), document["measures"].get("dv_over", "types"))
 
 
 def _cell(h: Measure, name: str) -> str:
@@ -197,6 +202,27 @@ class Interpretation(Asked, Result):
         if reading not in get_args(Reading):
             raise InputError(f"reading: {reading!r:.60} should be one of {', '.join(get_args(Reading))}")
         return type(self)({**self._document, "reading": reading}, image=self._image)
+
+    def about(self, goal: str | None) -> Asked:
+        """Return the same with what evidence says of posed objects, where the goal asks for it."""
+        if goal is None or "evidence_r" not in goal or self.subject.evidence:
+            return self
+        from plogic.sequence.unposed.reading import weighed
+
+        return type(self)(weighed(self._document), image=self._image)
+
+    def withhold(self, *names: str) -> Self:
+        """Return the same without the poses of these hypotheses: how they stand is then told by what is detected.
+
+        Args:
+            names: ids, or ``other.json:h2`` for a hypothesis of another image, which gets the first id that is free.
+
+        Raises:
+            Error: for what is no hypothesis that can be present.
+        """
+        from plogic.sequence.unposed.elsewhere import without_poses
+
+        return type(self)(without_poses(self._document, names), image=self._image)
 
     @property
     def unfinished(self) -> bool:
@@ -323,15 +349,22 @@ def _plain(h: Hypothesis) -> tuple[object, ...]:
     return h.T_camera_object.tolist(), rest
 
 
-def opened(path: str | Path, reading: Reading | None = None, *, trust: bool = False) -> Asked:
+def opened(
+    path: str | Path, reading: Reading | None = None, *, trust: bool = False, withhold: Sequence[str] = ()
+) -> Asked:
     """Return what a file holds: a program, or an interpretation, in the other reading where one is named.
+
+    ``withhold``: the hypotheses of it whose poses nobody knows.
 
     Raises:
         Error: where it cannot be read.
     """
     if is_program(str(path)):
+        if withhold:
+            raise InputError(f"{path}: a program has no poses to withhold")
         return Program.load(path, trust=trust)
     found = Interpretation.load(path)
     found = found if reading is None else found.read_as(reading)
+    found = found.withhold(*withhold) if withhold else found
     found.trust = trust
     return found

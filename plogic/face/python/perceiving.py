@@ -15,7 +15,7 @@ from plogic.cycle.delta import Options
 from plogic.face.python.interpretation import Interpretation
 from plogic.face.python.knowledge import KnowledgeBase
 from plogic.face.python.pictures import Gamma, Image, camera_for, pixels_of
-from plogic.facts.situation import Reading, Reconsider
+from plogic.facts.situation import DvOver, Reading, Reconsider
 from plogic.run.sources import detected, is_gamma
 from sensing import appearance
 from sensing.files.gamma_files import gamma_from_dict, gamma_to_dict, read_gamma
@@ -36,13 +36,14 @@ def detect(image: Image, kb: KnowledgeBase | str | Path, camera: Camera | str | 
     return Gamma.of(detected(pixels, camera_for(image, pixels, camera), _kb(kb).sigma, Stopwatch()))
 
 
-def perceive(
+def perceive(  # noqa: PLR0913 - the options of the command
     source: Image | appearance.Gamma,
     kb: KnowledgeBase | str | Path,
     camera: Camera | str | Path | None = None,
     *,
     reading: Reading = "score",
     reconsider: Reconsider = "to_B",
+    dv_over: DvOver = "types",
     smoothing: float = 0.0,
     generator: str = "index",
     deadline: float | None = None,
@@ -55,6 +56,7 @@ def perceive(
         camera: an image's camera, or its file; Γ has its own.
         reading: ``"score"`` (the paper's), or ``"posterior"``.
         reconsider: how explained misses count: ``"to_B"``, ``"drop"`` or ``"reassign"`` (score reading).
+        dv_over: what dv counts features over: ``"types"`` of the knowledge base, or ``"instances"`` in Δ.
         smoothing: ε of the score program's choices, 0 to below 0.5.
         generator: who proposes poses of hand-modelled types: ``"index"``, or ``"quadruples"`` or ``"softposit"``.
         deadline: seconds from when the knowledge base and Γ are there; what was found by then is marked ``unfinished``.
@@ -62,13 +64,13 @@ def perceive(
     Raises:
         Error: where any of these cannot be used.
     """
-    _check(reading, reconsider, smoothing, deadline)
+    _check(reading, reconsider, dv_over, smoothing, deadline)
 
     kb = _kb(kb)
     gamma, image = _gamma(source, kb, camera)
     perceiver = kb.perceiver(generator)
     end = None if deadline is None else monotonic() + deadline
-    document = perceiver(gamma, Options(reading, reconsider, float(smoothing), end), image)
+    document = perceiver(gamma, Options(reading, reconsider, float(smoothing), end, dv_over), image)
     return Interpretation(document, image=image)
 
 
@@ -89,11 +91,12 @@ def _gamma(
     return detected(pixels, camera_for(source, pixels, camera), kb.sigma, Stopwatch()), pixels
 
 
-def _check(reading: str, reconsider: str, smoothing: float, deadline: float | None) -> None:
+def _check(reading: str, reconsider: str, dv_over: str, smoothing: float, deadline: float | None) -> None:
     """Raise InputError where an option has a value that it cannot have."""
     for name, value, known in (
         ("reading", reading, get_args(Reading)),
         ("reconsider", reconsider, get_args(Reconsider)),
+        ("dv_over", dv_over, get_args(DvOver)),
     ):
         if value not in known:
             raise InputError(f"{name}: {value!r:.60} should be one of {', '.join(known)}")

@@ -277,14 +277,12 @@ def _of_text(
 
 def _on_graph(situation: Situation, n: int, given: Sequence[str], seconds: float | None) -> Ranking:
     """With a deadline, grounding the evidence included; what it takes then is left of the time."""
-    if not given and situation.own is None:
+    if not given:
         return ranked_worlds(situation, n, seconds=seconds)
     end = None if seconds is None else time.monotonic() + seconds
     scene = LiveScene(situation)
     for goal in given:
         scene.observe(goal, seconds=_left(end))
-    if not given:
-        scene.answers("present(H)", seconds=_left(end))  # rules are read, and what is wrong with them is told
     return scene.worlds(n, seconds=_left(end))
 
 

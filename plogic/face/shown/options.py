@@ -9,7 +9,7 @@ from typing import Any
 
 import click
 
-from plogic.facts.situation import Reading, Reconsider
+from plogic.facts.situation import DvOver, Reading, Reconsider
 
 READINGS = click.Choice(["score", "posterior"])
 SEED = click.IntRange(0)
@@ -25,6 +25,13 @@ TRUST = click.option(
     "--trust",
     is_flag=True,
     help="Lift the allow-list from a program of your own: it may then run Python and read files.",
+)
+WITHHOLD = click.option(
+    "--withhold",
+    multiple=True,
+    metavar="HYPOTHESIS",
+    help="Answer as somebody who does not know where it stands: its relations by what is detected; "
+    "OTHER.json:HYPOTHESIS for one that is seen in another image (may be repeated).",
 )
 AS_JSON = click.option("--json", "as_json", is_flag=True, help="One versioned JSON document on stdout.")
 
@@ -45,6 +52,13 @@ CAMERA = click.option("--camera", type=click.Path(), help="Camera file of an ima
 FIRST_READING = click.option("--reading", type=READINGS, default="score", show_default=True)
 RECONSIDER = click.option(
     "--reconsider", type=MODES, default="to_B", show_default=True, help="How explained misses count (score reading)."
+)
+DV_OVER = click.option(
+    "--dv-over",
+    type=click.Choice(["types", "instances"]),
+    default="types",
+    show_default=True,
+    help="What dv counts features over: the types of the KB, or the instances in Δ.",
 )
 SMOOTHING = click.option(
     "--smoothing",
@@ -91,13 +105,14 @@ class Asking:
     """How an interpretation or a program is asked.
 
     ``reading``: the other one of the same Δh, None for its own; ``deadline`` in seconds; ``rules``: a file of a user's
-    own; ``trust`` lifts the allow-list of a program.
+    own; ``trust`` lifts the allow-list of a program; ``withhold``: hypotheses whose poses nobody knows.
     """
 
     reading: Reading | None = None
     deadline: float | None = None
     trust: bool = False
     rules: str | None = None
+    withhold: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True)
@@ -117,6 +132,7 @@ class Perceiving:
     reading: Reading = "score"
     reconsider: Reconsider = "to_B"
     smoothing: float = 0.0
+    dv_over: DvOver = "types"
     generator: str = "index"
     deadline: float | None = None
     report: Path | None = None

@@ -71,7 +71,13 @@ def answers(document: Answers) -> Table:
 def measures(document: Interpretation) -> Table:
     """Return the support of every hypothesis per feature type and its explanatory values (§7.2.4, Table 1)."""
     right = [(n, "right") for n in ("dv", "A", "C", "B", "D", "ev", "P(ev)", "reconsidered", "probability")]
-    table = _table("measures", ("hypothesis", "left"), ("status", "left"), ("feature type", "left"), *right)
+    table = _table(
+        f"measures{over_instances(document)}",
+        ("hypothesis", "left"),
+        ("status", "left"),
+        ("feature type", "left"),
+        *right,
+    )
     dv = document["measures"]["dv"] if "measures" in document else {}
     for h in document.get("hypotheses", []):
         head = (Text(f"{h.get('label') or h['type']} {h['id']}"), h["status"])
@@ -86,6 +92,12 @@ def measures(document: Interpretation) -> Table:
             last = i == len(rows) - 1
             table.add_row(*(head if i == 0 else ("", "")), *row, *(tail if i == 0 else ("",) * 4), end_section=last)
     return table
+
+
+def over_instances(document: Interpretation) -> str:
+    """What a title says where dv is not over the types of Σo (§5.1)."""
+    said = document["measures"].get("dv_over", "types") if "measures" in document else "types"
+    return "" if said == "types" else f", dv over the {said} in Δ"
 
 
 def _support_rows(support: Mapping[str, Cells], dv: Mapping[str, float]) -> list[tuple[str | Text, ...]]:

@@ -17,15 +17,13 @@ from problog.errors import InconsistentEvidenceError, InvalidValue, ProbLogError
 from problog.formula import LogicDAG, LogicFormula
 from problog.logic import Term
 
+from plogic.base.bounds import SLACK
 from plogic.base.walk import by_key
 
 TRUE = 0
 FALSE = None
 Literal = int | None
 """A variable (positive), its negation (negative), TRUE or FALSE: the keys of ProbLog's formulas."""
-SLACK = 1e-10
-"""An annotated disjunction whose written probabilities come this near to 1 leaves nothing out (ProbLog's own tolerance
-of rounding)."""
 
 
 def negated(literal: Literal) -> Literal:
@@ -48,11 +46,15 @@ class Gate(NamedTuple):
 
 
 class Choice(NamedTuple):
-    """A choice with its probability; of the alternative ``group``. ``name`` makes its head when it is wanted."""
+    """A choice with its probability; of the alternative ``group``. ``name`` makes its head when it is wanted.
+
+    ``number``: which of the heads that the clause has it is.
+    """
 
     share: float
     group: Hashable
     name: Callable[[], Any]
+    number: int = 0
 
 
 Node = Gate | Choice
@@ -64,13 +66,16 @@ class Alternative:
 
     Σ shares + rest = 1.
 
-    ``names[i]`` makes the name of a choice, its head.
+    ``names[i]`` makes the name of a choice, its head. ``group`` and ``numbers[i]`` are the same whatever is asked of a
+    program, as long as the same grounder grounds it.
     """
 
     variables: tuple[int, ...]
     shares: tuple[float, ...]
     rest: float
     names: tuple[Callable[[], Term], ...]
+    group: Hashable = None
+    numbers: tuple[int, ...] = ()
 
 
 @dataclass(frozen=True)
@@ -191,8 +196,10 @@ def _converted(formula: LogicFormula, i: int) -> Node:
         if name is not None and name.functor == "choice" and len(name.args) > 2
         else _placed(name, content, formula.database)
     )
-    group = i if content.group is None else ("group", content.group)
-    return Choice(share_of(content.probability, head), group, lambda: head)
+    group, number = ("fact", content.identifier), 0
+    if content.group is not None:
+        group, number = ("group", content.group), int(content.identifier[-1])
+    return Choice(share_of(content.probability, head), group, lambda: head, number)
 
 
 def _placed(name: Any, content: Any, database: Any) -> Any:  # noqa: ANN401 - ProbLog's
@@ -228,7 +235,12 @@ def _alternative(members: list[tuple[int, Choice]]) -> Alternative:
     if len(members) > 1 and rest < SLACK:
         rest = 0.0
     return Alternative(
-        tuple(variable for variable, _ in members), shares, max(rest, 0.0), tuple(choice.name for _, choice in members)
+        tuple(variable for variable, _ in members),
+        shares,
+        max(rest, 0.0),
+        tuple(choice.name for _, choice in members),
+        members[0][1].group,
+        tuple(choice.number for _, choice in members),
     )
 
 

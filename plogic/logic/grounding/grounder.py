@@ -37,10 +37,11 @@ class Formula:
     nodes: list[Node] = field(default_factory=list)
     index: dict[Hashable, int] = field(default_factory=dict)
 
-    def choice(self, key: Hashable, group: Hashable, share: float, name: Callable[[], Any]) -> int:
-        """The variable of a choice; the same key is the same choice."""
+    def choice(self, group: Hashable, number: int, share: float, name: Callable[[], Any]) -> int:
+        """The variable of a choice; the same number of the same group is the same choice."""
+        key = group, number
         if key not in self.index:
-            self.nodes.append(Choice(share, group, name))
+            self.nodes.append(Choice(share, group, name, number))
             self.index[key] = len(self.nodes)
         return self.index[key]
 
@@ -158,7 +159,7 @@ class Grounder:
                 raise UnsupportedError
             group = (rule.source, tuple(environment))
             share = self._share(applied(rule.label, environment))
-            choice = self.formula.choice((group, rule.number), group, share, self._namer(rule, environment))
+            choice = self.formula.choice(group, rule.number, share, self._namer(rule, environment))
             return None if fails(literals) else self.formula.conjunction((*literals, choice))
         return self.formula.conjunction(literals)
 

@@ -17,6 +17,7 @@ from plogic.base.errors import NegativeCycleError, NonGroundError, ProgramError,
 from plogic.logic.grounding.ground_program import Ground, Literal, NamedFormula, ground_from, ground_of, negated
 from plogic.logic.grounding.grounder import Grounder
 from plogic.logic.grounding.indexed_clauses import UnsupportedError
+from plogic.logic.safety.added import LAWFUL, check_added, lawful
 from plogic.logic.safety.allowlist import SPECIAL_HEADS
 from plogic.logic.safety.atoms import Names
 from plogic.logic.safety.check import Source, check_goal, check_source, heads, parse
@@ -83,14 +84,21 @@ def read(
 ) -> tuple[list[Source], list[Any], frozenset[str]]:
     """The sources, their statements and the signatures that they define, none where they are trusted.
 
-    Texts after the first may not add to the first one's predicates. ``marked``: places say in which text they are.
+    Texts after the first are added to it (``plogic.logic.safety.added``).
+
+    ``marked``: places say in which text they are.
     """
     known: frozenset[str] = frozenset()
     sources: list[Source] = []
     statements: list[Any] = []
     for i, item in enumerate(texts):
-        source = parse(item["text"], item["file"], i + LIBRARY_FILES if marked and i else 0)
-        known |= frozenset() if trust else check_source(source, known=known, protected=known)
+        number = i + LIBRARY_FILES if marked and i else 0
+        source = parse(item["text"], item["file"], number)
+        text = lawful(source, known) if i else source.text
+        if not trust:
+            known |= check_added(source, known) if i else check_source(source)
+        if text != source.text:
+            source, known = parse(text, item["file"], number), known | LAWFUL
         sources.append(source)
         statements += [mapped(s, names) if names is not None and i else s for s in source.statements]
     return sources, statements, known

@@ -13,8 +13,9 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from functools import cached_property
 
+from plogic.base.bounds import SLACK
 from plogic.base.walk import reached
-from plogic.logic.grounding.ground_program import SLACK, Gate, Ground, Literal
+from plogic.logic.grounding.ground_program import Gate, Ground, Literal
 from plogic.logic.proof.terms import Small
 
 NONE_TAKEN = -1

@@ -179,8 +179,10 @@ def choice_literal(ground: Grounding, choice: Choice, taken: int) -> Small:
     if body is not None:
         body = resolved(body, dict(zip(rule.variables, choice.values, strict=False)))
     if taken != NONE_TAKEN:
-        return choice.heads[taken] if body is None or _tells(ground, rule, taken) else (":-", choice.heads[taken], body)
-    if all(_tells(ground, rule, i) for i in range(len(rule.heads))):
+        return (
+            choice.heads[taken] if body is None or _tells(ground, choice, taken) else (":-", choice.heads[taken], body)
+        )
+    if all(_tells(ground, choice, i) for i in range(len(rule.heads))):
         body = None
     either = joined(";", list(choice.heads))
     if body is not None:
@@ -188,12 +190,17 @@ def choice_literal(ground: Grounding, choice: Choice, taken: int) -> Small:
     return joined(",", [("\\+", head) for head in choice.heads])
 
 
-def _tells(ground: Grounding, rule: Rule, head: int) -> bool:
+def _tells(ground: Grounding, choice: Choice, head: int) -> bool:
     """Whether the head alone tells the choice.
 
-    No other rule gives it, and it names all that the rule's instances differ in.
+    No other rule gives it, and it names all that the rule's instances differ in; numbers that labels are computed from
+    it need not name, where no other instance has the same head.
     """
-    if not set(rule.variables) <= set(refs(rule.heads[head])):
+    rule = ground.rules.by_number[choice.rule]
+    named = set(refs(rule.heads[head]))
+    if not all(v in named or isinstance(x, (int, float)) for v, x in zip(rule.variables, choice.values, strict=True)):
+        return False
+    if sum(choice.heads[head] in other.heads for other in ground.made.values() if other.rule == choice.rule) > 1:
         return False
     wanted = fresh(rule.heads[head])
     return sum(unify(other.heads[i], wanted, {}) for other, i in ground.rules.matching(wanted)) == 1

@@ -207,8 +207,8 @@ def _split(grounding: Grounding, keys: Sequence[Key], evidence: Evidence) -> tup
     far = [(observation, _choices(grounding, [observation[1]])) for observation in evidence]
     reached = _choices(grounding, keys)
     while near := [choices for _, choices in far if not choices or not choices.isdisjoint(reached)]:
-        reached = reached.union(*near)
         far = [(observation, choices) for observation, choices in far if choices and choices.isdisjoint(reached)]
+        reached = reached.union(*near)
     left = {id(observation) for observation, _ in far}
     return [o for o in evidence if id(o) not in left], [observation for observation, _ in far]
 

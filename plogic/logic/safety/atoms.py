@@ -1,9 +1,10 @@
 """Users' names and programs' atoms, the table between them (contract, "Names"), and the tokens of a typed goal.
 
-A name that matches ``[a-z][a-z0-9_]*`` and is no operator is its own atom; any other gets a generated one. Atoms stand
-only in argument places, so no name can be read as program text.
+A name whose every segment matches ``[a-z][a-z0-9_]*`` is its own atom, in quotes where it has several segments or is an
+operator; any other gets a generated one. Atoms stand only in argument places, so no name can be read as program text.
 
-Vocabulary: a *label* is the user's word, ``"roof/apex"``; an *atom* is the program's, ``"f1"``.
+Vocabulary: a *label* is the user's word, ``"roof/apex"`` or ``"Grand Hall"``; an *atom* is the program's,
+``"'roof/apex'"`` or ``"n1"``.
 
 ``tokens("present( 'h1' ).")`` → ``("present", "(", "h1", ")")`` serves to complete a goal, to compare two of them and
 to put one on one line. It is no parser: the meaning of a goal is for ProbLog's parser to say.
@@ -13,6 +14,7 @@ import re
 from dataclasses import dataclass
 
 SIMPLE = re.compile(r"[a-z][a-z0-9_]*", re.ASCII)
+PLAIN = re.compile(r"[a-z][a-z0-9_]*(?:/[a-z][a-z0-9_]*)*", re.ASCII)
 OPERATORS = frozenset(
     {"is", "mod", "rem", "div", "rdiv", "not", "xor", "as", "rule", "dynamic", "discontiguous", "initialization"}
 )
@@ -40,12 +42,17 @@ class Names:
 
     def generated(self) -> list[tuple[str, str]]:
         """(atom, label) of every name that is not its own atom, in the order of the table."""
-        return [(atom, label) for label, atom in self.atoms.items() if atom != label]
+        return [(atom, label) for label, atom in self.atoms.items() if not is_plain(label)]
 
 
 def own_atom(label: str) -> bool:
-    """Whether the label is its own atom."""
+    """Whether the label is its own atom without quotes."""
     return SIMPLE.fullmatch(label) is not None and label not in OPERATORS
+
+
+def is_plain(label: str) -> bool:
+    """Whether the label is its own atom, in quotes or without: ``quoted`` gives it."""
+    return PLAIN.fullmatch(label) is not None
 
 
 _TOKEN = re.compile(

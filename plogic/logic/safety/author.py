@@ -14,32 +14,40 @@ FILE = "rules.pl"
 
 
 def author_rules(text: str, names: Names, program: frozenset[str], file: str = FILE) -> list[str]:
-    """The clauses, one text each; raises ProgramError at the place of what cannot be used.
+    """The clauses, one text each, and what makes constraints of them; raises ProgramError at the place of a mistake.
 
     ``program``: the signatures that the generated program defines, such as ``present/1``.
 
-    They may call the vocabulary and define predicates of their own. They may not add to what the program defines, nor
-    ask or observe: so no rule changes the probability of a world.
+    They may call the vocabulary, define predicates and choices of their own, observe, and constrain
+    (``plogic.logic.safety.added``). They may not add to what the program defines, nor ask.
     """
     if not text.strip():
         return []
     load_problog()
-    from plogic.logic.safety.allowlist import SPECIAL_HEADS
-    from plogic.logic.safety.check import check_source, heads, is_directive, parse
+    from plogic.logic.safety.added import check_added, lawful
+    from plogic.logic.safety.check import is_directive, parse
     from plogic.logic.safety.mapping import mapped
 
     source = parse(text, file)
     spelled = parse("\n".join(f"{mapped(s, names)}." for s in source.statements if not is_directive(s)), file)
-    special = next((h for s in source.statements for h in heads(s) if h.signature in SPECIAL_HEADS), None)
-    if special is not None:
-        raise ProgramError(
-            f"{special.signature}: rules neither ask nor observe (use a goal, or --given)", **source.place(special)
-        )
-    check_source(source, known=program, protected=program)
+    check_added(source, program)
     written = [s if is_directive(s) else mapped(s, names) for s in source.statements]
     if [str(s) for s in written if not is_directive(s)] != [str(s) for s in spelled.statements]:
         raise ProgramError("a clause cannot be written back as it was read", file=file)
-    return [f"{s}." for s in written]
+    law = lawful(source, program).removeprefix(text).strip()
+    return [f"{s}." for s in written] + ([law] if law else [])
+
+
+def observes(text: str, file: str = FILE) -> bool:
+    """Whether a text has evidence or constraints; raises ProgramError where it cannot be read."""
+    lines = [line for line in text.splitlines() if not line.lstrip().startswith("%")]
+    if not any("evidence" in line or "constraint" in line for line in lines):
+        return False  # without ProbLog
+    load_problog()
+    from plogic.logic.safety.added import observations
+    from plogic.logic.safety.check import parse
+
+    return bool(observations(parse(text, file)))
 
 
 def load_problog() -> None:

@@ -5,7 +5,7 @@ findall/3 and the like. It says all that is wrong at once. What a program builds
 call(X)``) is for the second layer (``engine``).
 """
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass, field
 from functools import lru_cache
 from typing import Any
@@ -82,8 +82,17 @@ _remembered = lru_cache(maxsize=16)(_parsed)
 once."""
 
 
+Mistake = tuple[type[ProgramError], str, Any]
+"""What kind of error it is, what is wrong, and with which term."""
+Look = Callable[[Source, frozenset[str]], Iterable[Mistake]]
+"""Finds mistakes in a source beside what is ``known``."""
+
+
 def check_source(
-    source: Source, known: frozenset[str] = frozenset(), protected: frozenset[str] = frozenset()
+    source: Source,
+    known: frozenset[str] = frozenset(),
+    protected: frozenset[str] = frozenset(),
+    also: Look | None = None,
 ) -> frozenset[str]:
     """Hold every statement to the allow-list; the signatures that the text defines.
 
@@ -92,18 +101,19 @@ def check_source(
     ``known`` may be called beside what the text defines; ``protected`` may not be defined by it. A text with something
     protected is a piece added to a program: it may call only what is known. A whole program may also name what has no
     clauses, as long as it is not called: that is told when it is. ``ANYTHING`` is among the signatures where the text
-    alone does not tell what it defines.
+    alone does not tell what it defines. ``also`` finds further mistakes.
     """
-    return (_held_before if len(source.text) <= REMEMBERED_TEXT else _held)(source, known, protected)
+    return (_held_before if len(source.text) <= REMEMBERED_TEXT else _held)(source, known, protected, also)
 
 
-def _held(source: Source, known: frozenset[str], protected: frozenset[str]) -> frozenset[str]:
+def _held(source: Source, known: frozenset[str], protected: frozenset[str], also: Look | None) -> frozenset[str]:
     try:
         defined = frozenset(head.signature for statement in source.statements for head in heads(statement))
         defined |= frozenset({ANYTHING} if any(_is_open(statement) for statement in source.statements) else ())
         checker = _Checker(source, _closed(defined | known) if protected else None, protected, _builtins())
         for statement in source.statements:
             checker.statement(statement)
+        checker.mistakes.extend(also(source, known) if also is not None else ())
     except RecursionError:
         raise ProgramError("nested too deeply", file=source.file) from None
     checker.tell()
@@ -174,8 +184,7 @@ class _Checker:
     callable: frozenset[str] | None
     protected: frozenset[str]
     builtins: frozenset[str]
-    mistakes: list[tuple[type[ProgramError], str, Any]] = field(default_factory=list)
-    """Of each what kind of error it is, what is wrong, and with which term."""
+    mistakes: list[Mistake] = field(default_factory=list)
 
     def note(self, kind: type[ProgramError], term: Any, reason: str) -> None:  # noqa: ANN401 - a term of ProbLog's
         self.mistakes.append((kind, reason, term))

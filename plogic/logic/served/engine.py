@@ -30,12 +30,19 @@ from plogic.logic.safety.atoms import Names
 class Text:
     """A piece of program text; ``file`` is what errors name.
 
-    ``own``: rules of a user's own that come with it, and may not add to its predicates.
+    ``own``: rules of a user's own that come with it, and may not add to its predicates (``plogic.logic.safety.added``).
     """
 
     text: str
     file: str = "program"
     own: "Text | None" = None
+
+    def pieces(self) -> "Iterator[Text]":
+        """The text, its own, and theirs."""
+        piece: Text | None = self
+        while piece is not None:
+            yield piece
+            piece = piece.own
 
 
 @dataclass(frozen=True)
@@ -146,9 +153,8 @@ def request_of(
     texts: Sequence[Text], goals: Sequence[str], given: Sequence[str], names: Names | None
 ) -> dict[str, Any]:
     """The request that the child process reads."""
-    pieces = [piece for text in texts for piece in (text, text.own) if piece is not None]
     return {
-        "texts": [{"text": piece.text, "file": piece.file} for piece in pieces],
+        "texts": [{"text": piece.text, "file": piece.file} for text in texts for piece in text.pieces()],
         "goals": list(goals),
         "given": list(given),
         "names": None if names is None else names.atoms,

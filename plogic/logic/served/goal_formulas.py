@@ -1,8 +1,8 @@
 """Goals as formulas over a program's choices, served in the child process: ground, not counted.
 
 Vocabulary: a *key* is a number from 1, a node; its negative, the negation; 0 is true and null false, as in ProbLog's
-formulas. A node is ``["and", [keys]]``, ``["or", [keys]]`` or a choice, ``["present", [["h1"]]]``, its functor and its
-arguments' labels.
+formulas. A node is ``["and", [keys]]``, ``["or", [keys]]`` or a choice: ``["present", [["h1"]]]``, its functor and its
+arguments' labels, or one of a rule's own, ``["choice", [alternative, number]]``, whose probabilities come beside.
 """
 
 from collections.abc import Iterable, Iterator
@@ -18,63 +18,66 @@ from plogic.logic.grounding.load import Request, by_problog, quickly, request_fr
 from plogic.logic.safety.atoms import Names
 from plogic.logic.safety.guarded_engine import told
 
-ALLOWED = ("present", "chosen")
-"""The choices that a formula may be over."""
+OPEN = ("present", "chosen")
+"""The choices that are left open, so that their labels mean nothing; all others are a rule's own."""
 
 
 def formulas(document: dict[str, Any]) -> dict[str, Any]:
     """The proofs' document, or ``{"outside": reason}``.
 
-    ``{"nodes": [...], "answers": [[[shown goal, key], ...] per goal], "single": [...], "given": [keys]}``
+    ``{"nodes": [...], "choices": {alternative: [[number, probability], ...]}, "answers": [[[shown goal, key], ...] per
+    goal], "single": [...], "given": [keys], "by": grounder}``; alternatives of two grounders are not compared.
 
     A goal is single where it has no variables, so that it has one answer, possible or not. A goal is outside where it,
-    or a rule, speaks of other choices: those in ``document["outside"]``, or some of a rule's own.
+    or a rule, speaks of the choices in ``document["outside"]``.
     """
     request = request_from(document)
     reason = _spoken(request.statements, frozenset(document["outside"]))
     if reason:
         return {"outside": reason}
     try:
-        ground = _ground(request)
+        ground, by = _ground(request)
     except ProbLogError as error:
         told(error, document["texts"])
-    if ground is None:
-        return {"outside": "a rule that only ProbLog's own engine can ground is used"}
     single = [not variables(goal) for _, goal in request.goals]
     return {
         **_reply(ground, grouped(request, ground, [[literal] for _, literal in ground.asked]), request.names),
+        "by": by,
         "single": single,
     }
 
 
-def _ground(request: Request) -> Ground | None:
-    """None for what only ProbLog's own engine can ground; it also tells what is wrong."""
+def _ground(request: Request) -> tuple[Ground, str]:
+    """The ground program, and by whom: what our own grounder does not know is for ProbLog's engine."""
     try:
-        return quickly(request)
+        return quickly(request), "us"
     except (UnsupportedError, RecursionError):
-        by_problog(request)
-        return None
+        return by_problog(request), "problog"
 
 
 def _reply(ground: Ground, answers: list[list[tuple[str, Any]]], names: Names | None) -> dict[str, Any]:
     nodes: list[list[Any]] = [[]] * ground.size
+    choices: dict[str, list[tuple[int, float]]] = {}
     for number, gate in ground.gates.items():
         nodes[number - 1] = [gate.kind, list(gate.children)]
     for alternative in ground.alternatives:
-        choice = _choice(alternative, names)
-        if choice[0] not in ALLOWED:
-            return {"outside": f"{choice[0]}, a choice of a rule's own, is used"}
-        nodes[alternative.variables[0] - 1] = choice
+        left_open, name = _open(alternative), str(alternative.group)
+        if left_open is None:
+            choices[name] = list(zip(alternative.numbers, alternative.shares, strict=True))
+        for variable, number in zip(alternative.variables, alternative.numbers, strict=True):
+            nodes[variable - 1] = ["choice", [name, number]] if left_open is None else _choice(left_open, names)
     if [] in nodes:
         return {"outside": "a choice without a probability is used"}
     found = [[(shown, literal) for shown, (literal,) in goal] for goal in answers]
-    return {"nodes": nodes, "answers": found, "given": list(ground.observed)}
+    return {"nodes": nodes, "choices": choices, "answers": found, "given": list(ground.observed)}
 
 
-def _choice(alternative: Alternative, names: Names | None) -> list[Any]:
+def _open(alternative: Alternative) -> Any | None:  # noqa: ANN401 - a term of ProbLog's
     name = alternative.names[0]()
-    if len(alternative.variables) > 1:
-        return [f"an alternative of {name}"]
+    return name if str(name.functor) in OPEN else None
+
+
+def _choice(name: Any, names: Names | None) -> list[Any]:  # noqa: ANN401 - a term of ProbLog's
     return [str(name.functor), [_label(argument, names) for argument in name.args]]
 
 
@@ -89,7 +92,7 @@ def _spoken(statements: Iterable[Any], outside: frozenset[str]) -> str | None:
     """What the first body says that has a signature of ``outside`` anywhere in it."""
     bodies = (s.body for s in statements if isinstance(s, (Clause, AnnotatedDisjunction)))
     found = next((signature for body in bodies for signature in _signatures(body) if signature in outside), None)
-    return None if found is None else f"{found}, which the graph has summed out, is spoken of"
+    return None if found is None else f"{found}, which only the program itself can tell, is spoken of"
 
 
 def _signatures(term: Any) -> Iterator[str]:  # noqa: ANN401 - a term of ProbLog's

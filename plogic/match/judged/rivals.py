@@ -13,7 +13,7 @@ matches, tells what a move costs.
 * ``moved_apart(posed, information)``: the poses, and which pairs still reach into each other
 """
 
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Collection, Iterable, Sequence
 from functools import lru_cache
 from itertools import combinations
 from typing import NamedTuple
@@ -24,7 +24,7 @@ from scipy.spatial.transform import Rotation
 
 from geometry.arrays import Floats, Indices, Mask
 from geometry.bodies.overlap import Reach, Solid, reaches, solid_overlap
-from geometry.frames import pose_error
+from geometry.frames import inverse, pose_error, transform_points
 from kb.clouds.cloud import ObjectType
 from kb.surfaces.surface import Surface
 from plogic.facts.hypothesis import Hypothesis
@@ -193,7 +193,7 @@ DEEP = 0.001
 SPARE = 0.1
 """Share of that which is left when they are moved."""
 ROUNDS = 12
-"""Times that all are moved: the way out is known for flat contacts, and found again for others."""
+"""Times that contacts are looked for: what was found before is held, and bodies that are moved meet others."""
 FAR = 10.0
 """Standard deviations of its pose by which an object may be moved: what has to go further was not seen where it must
 be."""
@@ -210,22 +210,34 @@ class Contact(NamedTuple):
 
 
 def moved_apart(
-    posed: Sequence[Hypothesis], information: Callable[[int], Floats], still: int = 0
+    posed: Sequence[Hypothesis],
+    information: Callable[[int], Floats],
+    still: int = 0,
+    through: Collection[tuple[int, int]] = (),
 ) -> tuple[list[Floats], list[tuple[int, int]]]:
     """Poses (4, 4), camera_from_object, of N objects, and the pairs that still reach more than ``DEEP`` together.
 
     So do pairs that would have to move too ``FAR``. One that touches nobody keeps its pose, the same array; so do the
     first, which stand ``still``, and nothing is told of pairs of these. ``information``, (6, 6), of the pose of one by
-    number (``pose_information``): what a move costs.
+    number (``pose_information``): what a move costs. The pairs ``through`` leave each other by the far side.
     """
     poses = [some.camera_from_object for some in posed]
     first = deep = _deep(posed, poses, still)
     if not first:
         return poses, []
     costs = [information(k) for k in range(len(posed))]
-    yields = [(k >= still) * np.asarray(np.linalg.inv(cost)) for k, cost in enumerate(costs)]
+    loose = block_diag(*((k >= still) * np.asarray(np.linalg.inv(cost)) for k, cost in enumerate(costs)))
+    moves, rows, wanted = np.zeros(6 * len(posed)), np.zeros((0, 6 * len(posed))), np.zeros(0)
+    far_ways = {(one.first, one.second): -one.reach.way for one in deep if (one.first, one.second) in through}
     for _ in range(ROUNDS):
-        poses = _eased(posed, poses, yields, deep)
+        sided = [_sided(posed, poses, one, far_ways.get((one.first, one.second))) for one in deep]
+        new = _rows(posed, poses, sided)
+        depths = np.array([contact.reach.depth - SPARE * DEEP for contact in sided])
+        rows, wanted = np.vstack([rows, new]), np.concatenate([wanted, new @ moves + depths])
+        moves = _least(rows, wanted, loose)
+        poses = [
+            _moved(h.camera_from_object, h.middle, move) for h, move in zip(posed, moves.reshape(-1, 6), strict=True)
+        ]
         deep = _deep(posed, poses, still)
         if not deep:
             break
@@ -258,29 +270,47 @@ def contacts(posed: Sequence[Hypothesis], poses: Sequence[Floats], still: int = 
     return found
 
 
-def _eased(
-    posed: Sequence[Hypothesis], poses: list[Floats], yields: Sequence[Floats], deep: Sequence[Contact]
-) -> list[Floats]:
-    """The poses after the least costly moves that end the contacts, as far as these are flat.
+def _sided(posed: Sequence[Hypothesis], poses: Sequence[Floats], contact: Contact, far: Floats | None) -> Contact:
+    """The contact as it ends along ``far`` (3,): through both bodies, as thick as they are on the line through it.
 
-    A quadratic program, by its dual.
-
-    ``yields`` (6, 6) each: the inverse of what moves cost; 0 of what stands still.
+    Itself where it ends that way, where no way is asked for, and where a body is not met there.
     """
+    way, at = contact.reach.way, contact.reach.at
+    if far is None or way @ far >= 0.0:
+        return contact
+    ends = []
+    for k, side in ((contact.first, -1.0), (contact.second, 1.0)):
+        surface = posed[k].object_type.surface
+        if surface is None:
+            return contact
+        object_from_camera, out = inverse(poses[k]), side * 4.0 * surface.diameter
+        start = transform_points(object_from_camera, (at + out * way)[None])
+        ends.append(out - side * surface.rays.first_hit(start, -side * (object_from_camera[:3, :3] @ way)[None])[0])
+    depth = ends[1] - ends[0]
+    return contact._replace(reach=Reach(float(depth), -way, at)) if np.isfinite(depth) else contact
+
+
+def _rows(posed: Sequence[Hypothesis], poses: Sequence[Floats], deep: Sequence[Contact]) -> Floats:
+    """(C, 6 N) by how much a small move of each body, rad and m, lessens how far the two of each contact reach."""
     rows = np.zeros((len(deep), 6 * len(posed)))
-    wanted = np.array([contact.reach.depth - SPARE * DEEP for contact in deep])
     middles = [_moved_middle(some, pose) for some, pose in zip(posed, poses, strict=True)]
     for row, (first, second, found) in zip(rows, deep, strict=True):
         for body, sign in ((first, -1.0), (second, 1.0)):
             lever = np.cross(found.at - middles[body], found.way)
             row[6 * body : 6 * body + 6] = sign * np.concatenate([lever, found.way])
-    loose = block_diag(*yields)
-    coupling, force = rows @ loose @ rows.T, np.zeros(len(deep))
+    return rows
+
+
+def _least(rows: Floats, wanted: Floats, loose: Floats) -> Floats:
+    """(6 N,) the least costly moves x with ``rows`` x ≥ ``wanted``: a quadratic program, by its dual.
+
+    ``loose`` (6 N, 6 N): the inverse of what moves cost; 0 of what stands still.
+    """
+    coupling, force = rows @ loose @ rows.T, np.zeros(len(rows))
     for _ in range(SWEEPS):
-        for k in range(len(deep)):
+        for k in range(len(rows)):
             force[k] = max(0.0, force[k] + (wanted[k] - coupling[k] @ force) / coupling[k, k])
-    moves = (loose @ rows.T @ force).reshape(-1, 6)
-    return [_moved(pose, middle, move) for pose, middle, move in zip(poses, middles, moves, strict=True)]
+    return np.asarray(loose @ rows.T @ force)
 
 
 def _moved_middle(posed: Hypothesis, pose: Floats) -> Floats:

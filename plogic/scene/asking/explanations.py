@@ -10,12 +10,15 @@ Vocabulary:
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
-from plogic.base.errors import LimitError
+from plogic.base.errors import LimitError, OutsideError
 from plogic.facts.situation import Situation
 from plogic.logic.served.engine import Limits, ask, request_of
 from plogic.scene.asking.query import Subject, subject_text
+
+if TYPE_CHECKING:
+    from plogic.scene.asking.live import LiveScene
 
 
 @dataclass(frozen=True)
@@ -120,6 +123,11 @@ def explain(
         if summary is None:
             raise
         return replace(summary, notes=(f"no explanations choice by choice: {error}",))
+    if isinstance(subject, Situation) and account.probability == 0.0 and not given:
+        from plogic.scene.worlds.blame import excluding
+
+        if why := excluding(subject, goal):
+            account = replace(account, notes=(*account.notes, f"no world holds it, because of {' and '.join(why)}"))
     return account if summary is None else replace(account, summary=summary.summary)
 
 
@@ -161,14 +169,28 @@ def present(subject: Subject, goal: str, *, given: Sequence[str] = ()) -> Accoun
     from plogic.scene.asking.presence import presence
 
     scene = LiveScene(subject)
-    for observed in given:
-        scene.observe(observed)
-    low, high = scene.marginals()[name]
+    try:
+        for observed in given:
+            scene.observe(observed)
+        low, high = scene.marginals()[name]
+    except OutsideError:
+        return None
     account = Account(goal, (low + high) / 2, (), (), None)
     if high == 0:
         return account
     scene.observe(goal)
-    return replace(account, summary=presence(subject, name, scene.worlds(1).worlds[0].present))
+    told = presence(subject, name, scene.worlds(1).worlds[0].present)
+    return replace(account, summary=(*told, *_constrained(scene, name)))
+
+
+def _constrained(scene: "LiveScene", name: str) -> list[str]:
+    """The author's constraints that speak of a hypothesis, given that it is present."""
+    from plogic.scene.asking.presence import listed
+
+    found = scene.constraints(name)
+    kept = [shown for shown, p in found if p == 0.0]
+    lines = [f"  violates {shown}, which may fail, with probability {p:.4g}" for shown, p in found if p > 0.0]
+    return [*lines, f"  keeps {listed(kept)}"] if kept else lines
 
 
 def _about(subject: Subject, goals: Sequence[str]) -> Subject:

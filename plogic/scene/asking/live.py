@@ -12,24 +12,25 @@ what speaks of choices that the graph has summed out is refused (OutsideError), 
 """
 
 import time
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Sequence
+from contextlib import suppress
 from dataclasses import replace
 from typing import NamedTuple
 
-from plogic.base.errors import ProgramError, SituationError
+from plogic.base.errors import ProgramError, SituationError, UnknownPredicateError
 from plogic.facts.hypothesis import Hypothesis
 from plogic.facts.sanity import check
 from plogic.facts.situation import Situation
-from plogic.inference.gates import Literal, observed, with_formulas
 from plogic.inference.graph import Beliefs, FactorGraph
 from plogic.inference.marginals import Remembered
-from plogic.inference.ranked import best
 from plogic.logic.served.engine import Answer, Limits, in_order
 from plogic.scene.asking.relevant import restricted
-from plogic.scene.factors.asked_formulas import Asked
+from plogic.scene.factors.asked_formulas import Asked, literals
 from plogic.scene.factors.goal_meaning import Meaning, meaning
 from plogic.scene.factors.scene_graph import SceneGraph, scene_graph
-from plogic.scene.worlds.ranked_worlds import Ranking, listed_worlds, ranking_of
+from plogic.scene.text.program_text import added_to
+from plogic.scene.worlds.blame import blaming
+from plogic.scene.worlds.ranked_worlds import Ranking, listed_worlds, ranking_of, with_joint_causes
 
 Interval = tuple[float, float]
 Pairs = frozenset[tuple[str, str]]
@@ -120,19 +121,32 @@ class LiveScene:
         """The ``n`` most probable worlds given the evidence, each with its causes."""
         end = None if seconds is None else time.monotonic() + seconds
         scene, asked = self._posed(seconds=None if seconds is None else seconds / 2)
-        held = replace(scene, graph=asked.graph)
-        ranking = ranking_of(self.situation, held, asked.beliefs, listed_worlds(self.situation, held, n, end))
-        if not scene.causes:
-            return ranking
-        return replace(
-            ranking, worlds=tuple(replace(w, causes={**w.causes, **_causes(held, w.present)}) for w in ranking.worlds)
-        )
+        ranking = ranking_of(self.situation, scene, asked.beliefs, listed_worlds(self.situation, scene, n, end))
+        return with_joint_causes(ranking, scene) if scene.causes else ranking
 
     def answers(self, goal: str = "present(H)", *, seconds: float | None = None) -> list[Answer]:
         """P(goal | evidence), every answer, most probable first, ties by text."""
         meant = self._meaning(goal, ())
-        scene, asked = self._posed(meant.appearances, seconds)
+        scene, asked = self._posed(meant, seconds=seconds)
         return answers_of(meant, scene, asked)[0]
+
+    def constraints(self, name: str) -> list[tuple[str, float]]:
+        """P(constraint(N) | evidence) of every constraint of the author's that may speak of a hypothesis."""
+        added = added_to(self.situation)
+        if added is None or not any("constraint" in piece.text for piece in added.pieces()):
+            return []
+        with suppress(UnknownPredicateError):
+            meant = self._meaning("constraint(N)", ())
+            scene, asked = self._posed(meant)
+            formulas = meant.formulas([key for _, key in meant.answers[0]], scene)
+            told = zip((shown for shown, _ in meant.answers[0]), formulas, strict=True)
+            place = scene.place[name][0]
+            return [
+                (shown, sum(asked.probability(formula)) / 2)
+                for shown, formula in told
+                if any(literal.variable == place for literal in literals(formula))
+            ]
+        return []
 
     def _become(
         self,
@@ -158,13 +172,10 @@ class LiveScene:
             self._meanings[key] = meaning(self.situation, goals, given, limits=self._limits)
         return self._meanings[key]
 
-    def _posed(self, explicit: Iterable[str] = (), seconds: float | None = None) -> _Posed:
-        return posed(
-            self.situation,
-            [self._meaning("", (goal,)) for goal in self.given],
-            explicit,
-            _solver(self._memory, seconds),
-        )
+    def _posed(self, *goals: Meaning, seconds: float | None = None) -> _Posed:
+        with blaming(self.situation):
+            spoken = [*(self._meaning("", (goal,)) for goal in self.given), *goals]
+            return posed(self.situation, spoken, _solver(self._memory, seconds))
 
 
 def _solver(memory: Remembered, seconds: float | None) -> Callable[[FactorGraph], Beliefs]:
@@ -175,17 +186,10 @@ def _solver(memory: Remembered, seconds: float | None) -> Callable[[FactorGraph]
     return lambda graph: memory.beliefs(graph, seconds=max(end - time.monotonic(), 0.0))
 
 
-def posed(
-    situation: Situation, given: Sequence[Meaning], explicit: Iterable[str], solve: Callable[[FactorGraph], Beliefs]
-) -> _Posed:
-    """The graph with the causes in ``explicit``, and what the evidence says.
-
-    Raises InconsistentError where that is impossible.
-    """
-    scene = scene_graph(situation, explicit=frozenset(explicit).union(*(m.appearances for m in given)))
-    formulas = [formula for m in given for formula in m.formulas(m.given, scene)]
-    graph, literals = with_formulas(scene.graph, formulas)
-    return _Posed(scene, Asked(observed(graph, literals), solve))
+def posed(situation: Situation, spoken: Sequence[Meaning], solve: Callable[[FactorGraph], Beliefs]) -> _Posed:
+    """The graph with what goals and evidence speak of, solved. Raises InconsistentError where nothing is possible."""
+    scene = scene_graph(situation, spoken=spoken)
+    return _Posed(scene, Asked(scene.graph, solve))
 
 
 def answers_of(meant: Meaning, scene: SceneGraph, asked: Asked) -> list[list[Answer]]:
@@ -214,7 +218,7 @@ def scene_answers(
     """
     check(situation)
     meant = meaning(situation, goals, given, limits=limits)
-    scene, asked = posed(situation, [meant], (), _solver(Remembered(), seconds))
+    scene, asked = posed(situation, [meant], _solver(Remembered(), seconds))
     return answers_of(meant, scene, asked)
 
 
@@ -230,10 +234,3 @@ def without(situation: Situation, name: str) -> Situation:
             for h in part.hypotheses
         ),
     )
-
-
-def _causes(held: SceneGraph, present: Sequence[str]) -> dict[str, str]:
-    """The most probable joint causes, in this world and given the evidence, of the appearances in the evidence."""
-    states = dict.fromkeys(range(len(held.variables)), 0) | dict(held.place[name] for name in present)
-    (_, found), *_ = best(observed(held.graph, [Literal(v, frozenset({s})) for v, s in states.items()]), 1)
-    return {name: "/".join(cause.states[found[cause.variable]]) for name, cause in held.causes.items()}

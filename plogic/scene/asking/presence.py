@@ -114,7 +114,8 @@ def _score(view: View) -> Iterator[str]:
         by_case.setdefault(case_of(expected=bool(cell.expected[0]), detected=bool(cell.detected[0])), []).append(f)
     good = _count([*by_case.get("A", ()), *by_case.get("B", ())])
     p = float(p_ev(view.scene, view.h, view.present)[0])
-    weighted = "dv-weighted: undefined (0/0)" if np.isnan(p) else f"dv-weighted {p:.4g} = P(ev), ev = {2 * p - 1:.3g}"
+    over = "dv-weighted" if view.scene.situation.dv_over == "types" else "weighed by dv over the instances in Δ"
+    weighted = f"{over}: undefined (0/0)" if np.isnan(p) else f"{over} {p:.4g} = P(ev), ev = {2 * p - 1:.3g}"
     yield f"  {good} of {_count(seen)} features in the image are concordant, {weighted}"
     for case, mark in (("A", "for"), ("B", "for"), ("C", "against"), ("D", "against")):
         if case in by_case:
@@ -128,11 +129,11 @@ def _by_type(features: list[FeatureFact], *, name_all: bool) -> str:
     for f in sorted(features, key=lambda f: -f.dv):
         types.setdefault(f.type, []).append(f)
     if len(types) > TYPES:
-        return f"{_count(features)} features of {len(types)} types ({_listed([f.id for f in features if f.stands_for == 1])})"
+        return f"{_count(features)} features of {len(types)} types ({listed([f.id for f in features if f.stands_for == 1])})"
     rows = [(kind, some, [f.id for f in some if f.stands_for == 1]) for kind, some in types.items()]
     return ", ".join(
         f"{_count(some)} {'others' if kind == OTHERS else kind}"
-        + (f" ({_listed(names)})" if names and (name_all or len(names) <= 2) else "")
+        + (f" ({listed(names)})" if names and (name_all or len(names) <= 2) else "")
         for kind, some, names in rows
     )
 
@@ -141,7 +142,8 @@ def _count(features: Iterable[FeatureFact]) -> int:
     return sum(f.stands_for for f in features)
 
 
-def _listed(names: Sequence[str]) -> str:
+def listed(names: Sequence[str]) -> str:
+    """The first names, and how many more there are."""
     return ", ".join(names[:LISTED]) + (f", and {len(names) - LISTED} more" if len(names) > LISTED else "")
 
 
@@ -153,7 +155,7 @@ def _hiding(view: View, features: Iterable[FeatureFact]) -> Iterator[str]:
             hidden.setdefault(g, []).append(f.id)
     present = {g: names for g, names in hidden.items() if g in view.world}
     yield from (
-        f"  hidden by {g}, so not expected: {len(names)} features ({_listed(names)})" for g, names in present.items()
+        f"  hidden by {g}, so not expected: {len(names)} features ({listed(names)})" for g, names in present.items()
     )
 
 
@@ -192,7 +194,7 @@ def _held(view: View) -> Iterator[str]:
         yield f"  against: it floats, nothing in this world holds it: the world weighs {gravity.unknown_support:.4g} of what it would"
         return
     holders = [x for x in gravity.holders(name) if x in view.world]
-    yield f"  held by {_listed(holders) if holders else 'the ground'}"
+    yield f"  held by {listed(holders) if holders else 'the ground'}"
 
 
 def _excluded(view: View) -> Iterator[str]:
@@ -206,8 +208,8 @@ def _excluded(view: View) -> Iterator[str]:
         if others:
             known = {x: situation.space.sharing(h.id, x) if pairs is situation.overlaps else None for x in others}
             told = [x if shared is None else f"{x} ({words_of_shared(shared)})" for x, shared in known.items()]
-            yield f"  excludes, since it {reason}: {_listed(told)}"
+            yield f"  excludes, since it {reason}: {listed(told)}"
     if situation.reading == "posterior":
         rivals = [g.id for g in situation.hypotheses if g.group == h.group and g.id != h.id]
         if rivals:
-            yield f"  excludes, as rivals for one instance: {_listed(rivals)}"
+            yield f"  excludes, as rivals for one instance: {listed(rivals)}"

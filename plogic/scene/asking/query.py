@@ -2,6 +2,7 @@
 
 import time
 from collections.abc import Sequence
+from contextlib import nullcontext
 from dataclasses import replace
 
 from plogic.base.errors import LimitError, ProgramError, SituationError
@@ -9,7 +10,8 @@ from plogic.facts.situation import Situation, Stopped, names_of
 from plogic.logic.safety.atoms import Names
 from plogic.logic.served.engine import Answer, Limits, Text, run, run_until, unknown
 from plogic.scene.readings.unfinished import opened
-from plogic.scene.text.program_text import program_text
+from plogic.scene.text.program_text import program_of
+from plogic.scene.worlds.blame import blaming
 
 Subject = Situation | Text
 """What is asked: an interpretation's situation, or a program of a user's own."""
@@ -76,10 +78,11 @@ def answers_to_all(
     limits: Limits | None = None,
 ) -> list[list[Answer]]:
     """As ``answers``, for many goals in one run. Of a situation, from its factor graph wherever that can say it."""
-    found = _on_graph(subject, goals, given, limits) if isinstance(subject, Situation) and goals else None
-    if found is None:
-        text, names = subject_text(subject)
-        found = run([text], goals, given, names=names, limits=limits)
+    with blaming(subject) if isinstance(subject, Situation) else nullcontext():
+        found = _on_graph(subject, goals, given, limits) if isinstance(subject, Situation) and goals else None
+        if found is None:
+            text, names = subject_text(subject)
+            found = run([text], goals, given, names=names, limits=limits)
     return [opened(stopped_of(subject), some) for some in found]
 
 
@@ -106,4 +109,4 @@ def subject_text(subject: Subject) -> tuple[Text, Names | None]:
     """The program of what is asked, and its names (a program of a user's own has none)."""
     if isinstance(subject, Text):
         return subject, None
-    return Text(program_text(subject), own=subject.own), names_of(subject)
+    return program_of(subject), names_of(subject)

@@ -12,7 +12,8 @@ from typing import Any
 from plogic.facts.situation import Situation
 from plogic.facts.spatial import linked
 from plogic.facts.vocabulary import VOCABULARY
-from plogic.logic.safety.author import load_problog
+from plogic.logic.safety.author import load_problog, observes
+from plogic.scene.text.program_text import added_to
 
 WHOSE = {
     "cause/3": (1,),
@@ -29,8 +30,12 @@ WHOSE = {
 def relevant(situation: Situation, goals: Sequence[str]) -> Situation:
     """The part that the goals are about.
 
-    All of it where a goal is about all, or calls a rule of the author's, or cannot be read.
+    All of it where a goal is about all, or calls a rule of the author's, or cannot be read, and where the author
+    observes or constrains.
     """
+    added = added_to(situation)
+    if added is not None and any(observes(piece.text, piece.file) for piece in added.pieces()):
+        return situation
     found = [_named(goal, situation) for goal in goals]
     if None in found:
         return situation
@@ -89,6 +94,7 @@ def _together(situation: Situation, named: set[str]) -> set[str]:
     links = nx.Graph([*situation.overlaps, *situation.rivals, *situation.exclusive])
     links.add_edges_from((x, other) for x, *others in situation.space.on_both for other in others)  # y may hang on z
     links.add_edges_from(() if situation.gravity is None else linked(situation.gravity))
+    links.add_edges_from(pair for fact in situation.evidence for pair in fact.pairs)
     for h in situation.hypotheses:
         links.add_edge(h.id, f"group {h.group}")
         links.add_edges_from((h.id, other) for f in h.features for other in f.hidden_by)
@@ -119,4 +125,5 @@ def restricted(situation: Situation, kept: set[str]) -> Situation:
         space=situation.space.among(kept),
         gravity=None if situation.gravity is None else situation.gravity.among(kept),
         part_relations=tuple(r for r in situation.part_relations if kept.issuperset((r.x, r.y))),
+        evidence=tuple(fact.among(frozenset(kept)) for fact in situation.evidence),
     )

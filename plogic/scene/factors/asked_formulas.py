@@ -10,12 +10,15 @@ import math
 import time
 from collections.abc import Callable, Iterable, Sequence
 
-from plogic.base.errors import InconsistentError
-from plogic.facts.situation import Situation
+from plogic.base.errors import InconsistentError, OutsideError
+from plogic.facts.situation import Situation, names_of
 from plogic.inference.gates import And, Formula, Literal, Not, Or, observed, probability, with_formulas
 from plogic.inference.graph import Beliefs, Factor, FactorGraph, connected
 from plogic.inference.marginals import beliefs
+from plogic.logic.safety.atoms import quoted
+from plogic.logic.served.engine import Limits, run
 from plogic.scene.factors.scene_graph import scene_graph
+from plogic.scene.text.program_text import program_of
 
 Interval = tuple[float, float]
 States = dict[int, frozenset[int]]
@@ -84,7 +87,10 @@ def together(situation: Situation, pairs: Sequence[tuple[str, str]], seconds: fl
     """
     if not pairs:
         return []
-    scene = scene_graph(situation)
+    try:
+        scene = scene_graph(situation)
+    except OutsideError:
+        return _by_text(situation, pairs, seconds)
     end = None if seconds is None else time.monotonic() + seconds
     asked = Asked(
         scene.graph, lambda graph: beliefs(graph, seconds=None if end is None else max(end - time.monotonic(), 0.0))
@@ -93,6 +99,13 @@ def together(situation: Situation, pairs: Sequence[tuple[str, str]], seconds: fl
         asked.probability(And(tuple(Literal(v, frozenset({s})) for v, s in (scene.place[h] for h in pair))))
         for pair in pairs
     ]
+
+
+def _by_text(situation: Situation, pairs: Sequence[tuple[str, str]], seconds: float | None) -> list[Interval]:
+    goals = [", ".join(f"present({quoted(h)})" for h in pair) for pair in pairs]
+    limits = Limits() if seconds is None else Limits(seconds=seconds)
+    found = run([program_of(situation)], goals, names=names_of(situation), limits=limits)
+    return [answer.interval for (answer,) in found]
 
 
 def _ratio(part: Interval, whole: Interval) -> Interval:

@@ -15,37 +15,52 @@ program itself. Vocabulary:
   ``appearances`` as variables
 """
 
-from collections.abc import Iterable, Iterator, Sequence
-from dataclasses import dataclass
-from typing import Any
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from functools import lru_cache
+from typing import TYPE_CHECKING, Any
 
 from plogic.base.errors import OutsideError
 from plogic.facts.dependence import Scene, dependence
 from plogic.facts.situation import Situation, names_of
 from plogic.inference.gates import And, Formula, Literal, Not, Or
-from plogic.logic.safety.atoms import own_atom, quoted
-from plogic.logic.safety.author import author_rules
+from plogic.logic.safety.atoms import Names, own_atom, quoted
+from plogic.logic.safety.author import observes
 from plogic.logic.served.engine import Limits, Text, ask, request_of
-from plogic.scene.factors.scene_graph import SceneGraph
 from plogic.scene.text import fact_layers as facts
-from plogic.scene.text.layout import Writer, block_clauses, ev_facts, possible_causes
+from plogic.scene.text.choices import block_facts
+from plogic.scene.text.evidence_layer import evidence_choices, evidence_facts, evidence_rules
+from plogic.scene.text.layout import Writer, possible_causes
+from plogic.scene.text.measures import cell_facts, measures
+from plogic.scene.text.object_types import object_types
+from plogic.scene.text.program_text import added_to
 from plogic.scene.text.rules import (
     COMMON,
     CONCORDANT,
+    EV,
     EXCLUSIVE,
     FOUND,
     FOUND_REASSIGN,
+    OBJECT_TYPES,
     SUPPORTED,
     VIOLATED,
-    defined,
     fallbacks,
     vocabulary_rules,
 )
 
+if TYPE_CHECKING:
+    from plogic.scene.factors.scene_graph import SceneGraph
+
 Key = int | None
 
-OUTSIDE = ("hit/2", "pick/2", "luck/2", "ok/2", "joint/3", "agrees/1", "excused/1")
+OUTSIDE = ("hit/2", "pick/2", "luck/2", "ev_holds/2", "joint/3", "agrees/1", "excused/1", "drawn/1")
 """Choices that the factor graph has summed out, and what is said in terms of them."""
+LOOKING = (
+    *(f"subquery/{n}" for n in (2, 3, 5)), *(f"subquery_in_scope/{n}" for n in (3, 4, 6)), "possible/1", "clause/2", "clause/3",
+    "create_scope/2", "find_scope/2", "findall/3", "all/3", "all_or_none/3", "aggregate/5", "=>/2", "=../2",
+)  # fmt: skip
+"""Built-ins that tell the program itself, its probabilities or its proofs, or may build such a call.
+``findall/3`` has an answer once for each proof."""
 
 CHOSEN = r"""
 hitting(A, H, F) :- match(H, F, A), chosen(A, H/F).
@@ -68,24 +83,30 @@ def _lines(w: Writer) -> Iterator[str]:
     situation = w.scene.situation
     score = situation.reading == "score"
     yield "present(_) :- fail."
-    yield from facts.trees(w)
+    yield from object_types(w)
+    yield from measures(w)
     yield from facts.geometry(w)
-    yield from ev_facts(w)
+    yield from cell_facts(w)
+    yield from (*evidence_facts(w), *evidence_choices(w), *evidence_rules(w))
     yield from ("0.5::" + w.fact("present", h.id) for h in situation.hypotheses)
     yield from _score(w) if score else _posterior(w)
     yield from (f"{s.split('/')[0]}({', '.join('_' * int(s[-1]))}) :- fail." for s in OUTSIDE)
-    yield fallbacks()
-    yield from (COMMON, FOUND_REASSIGN if (score and situation.reconsider == "reassign") else FOUND, VIOLATED)
+    yield from fallbacks(situation.reading)
+    yield from (
+        OBJECT_TYPES,
+        EV,
+        COMMON,
+        FOUND_REASSIGN if (score and situation.reconsider == "reassign") else FOUND,
+        VIOLATED,
+    )
     yield from vocabulary_rules(situation.reading)
-    yield from author_rules(situation.rules, w.names, defined())
 
 
 def _score(w: Writer) -> Iterator[str]:
     """Who is decided alone, and who jointly: no choice, but it can be asked for."""
-    yield "alone(_) :- fail. member_of(_, _) :- fail. includes(_, _) :- fail."
     yield from (w.fact("alone", block[0]) for block in w.graph.blocks if len(block) == 1)
     for i, block in enumerate((block for block in w.graph.blocks if len(block) > 1), start=1):
-        yield from block_clauses(w, f"block({i})", block)
+        yield from block_facts(w, i, block)
     yield from (SUPPORTED, EXCLUSIVE)
     if w.scene.situation.reconsider != "drop":
         yield CONCORDANT
@@ -107,20 +128,23 @@ class Meaning:
 
     ``single``: whether the goal has one answer, possible or not.
 
-    ``given``: keys that the evidence makes true.
+    ``given``: keys that the evidence makes true, the author's included; ``choices``: alternative of the author's →
+    the number and the probability of each choice in it that is spoken of, by the names of the grounder ``by``.
     """
 
     nodes: tuple[tuple[str, Any], ...]
     answers: tuple[tuple[tuple[str, Key], ...], ...]
     single: tuple[bool, ...]
     given: tuple[Key, ...]
+    choices: Mapping[str, Sequence[tuple[int, float]]] = field(default_factory=dict)
+    by: str = ""
 
     @property
     def appearances(self) -> frozenset[str]:
         """Those whose cause is spoken of."""
         return frozenset(arguments[0][0] for kind, arguments in self.nodes if kind == "chosen")
 
-    def formulas(self, keys: Iterable[Key], scene: SceneGraph) -> list[Formula]:
+    def formulas(self, keys: Iterable[Key], scene: "SceneGraph") -> list[Formula]:
         """The formulas of the keys, which share their parts; nodes come before those that use them."""
         made: list[Formula] = []
 
@@ -138,10 +162,12 @@ class Meaning:
         return [of(key) for key in keys]
 
 
-def _literal(kind: str, arguments: list[list[str]], scene: SceneGraph) -> Formula:
-    """``present(h1)`` or ``chosen(a1, h1/roof/apex)``; nothing else is a choice here."""
-    if kind == "present":
-        variable, state = scene.place[arguments[0][0]]
+def _literal(kind: str, arguments: list[Any], scene: "SceneGraph") -> Formula:
+    """``present(h1)``, ``chosen(a1, h1/roof/apex)``, or a choice of the author's."""
+    if kind in ("present", "choice"):
+        variable, state = (
+            scene.place[arguments[0][0]] if kind == "present" else scene.choices[arguments[0], arguments[1]]
+        )
         return Literal(variable, frozenset({state}))
     cause = scene.causes[arguments[0][0]]
     return Literal(cause.variable, frozenset({cause.states.index(tuple(arguments[1]))}))
@@ -162,9 +188,17 @@ def meaning(
     direct = _direct(situation, goals, given) if situation.own is None else None
     if direct is not None:
         return direct
-    text = Text(free_program(situation), own=situation.own)
-    request = request_of([text], goals, given, names_of(situation))
-    reply = ask({**request, "task": "formula", "outside": list(OUTSIDE)}, limits or Limits())
+    text = Text(free_program(_short(situation, (*goals, *given))), own=added_to(situation))
+    atoms = tuple(names_of(situation).atoms.items())
+    return _ground(text, atoms, tuple(goals), tuple(given), limits or Limits())
+
+
+@lru_cache(maxsize=8)
+def _ground(
+    text: Text, atoms: tuple[tuple[str, str], ...], goals: tuple[str, ...], given: tuple[str, ...], limits: Limits
+) -> Meaning:
+    request = request_of([text], goals, given, Names.of(dict(atoms)))
+    reply = ask({**request, "task": "formula", "outside": [*OUTSIDE, *LOOKING]}, limits)
     if "outside" in reply:
         raise OutsideError(reply["outside"], file="goal")
     return Meaning(
@@ -172,7 +206,25 @@ def meaning(
         tuple(tuple((shown, key) for shown, key in found) for found in reply["answers"]),
         tuple(reply["single"]),
         tuple(reply["given"]),
+        {name: tuple((number, share) for number, share in some) for name, some in reply["choices"].items()},
+        reply["by"],
     )
+
+
+def standing(situation: Situation) -> tuple[Meaning, ...]:
+    """What the author, and who asks, observe and constrain; nothing where they do not. Raises as ``meaning``."""
+    added = added_to(situation)
+    own = situation.own is not None  # its mistakes are told when it is read
+    observing = added is not None and any(own or observes(piece.text, piece.file) for piece in added.pieces())
+    return (meaning(situation, ()),) if observing else ()
+
+
+def _short(situation: Situation, asked: Sequence[str]) -> Situation:
+    """Without how features look, of which nothing else is a consequence, where nobody speaks of it."""
+    added = () if situation.own is None else (piece.text for piece in situation.own.pieces())
+    if any("type_look" in text for text in (*asked, situation.rules, *added)):
+        return situation
+    return replace(situation, types={name: replace(fact, looks=()) for name, fact in situation.types.items()})
 
 
 def _direct(situation: Situation, goals: Sequence[str], given: Sequence[str]) -> Meaning | None:

@@ -7,6 +7,7 @@ Vocabulary:
 * ``Cells``: for one feature in every world, whether it is expected and detected, two arrays (M,)
 """
 
+import math
 from collections.abc import Iterable, Mapping
 from functools import reduce
 from typing import NamedTuple, TypeAlias
@@ -158,6 +159,12 @@ def causes_of(scene: Scene, appearance: str) -> Shares:
     """The shares of an appearance's claimants, in their order."""
     clutter = next(a.clutter for a in scene.situation.appearances if a.id == appearance)
     return shares_of([f.density for _, f in scene.claimants.get(appearance, [])], clutter)
+
+
+def log_scale(scene: Scene) -> float:
+    """Ln of what the program text weighs less than densities do (posterior): alternatives of causes are normalised."""
+    claimed = scene.claimants if scene.situation.reading == "posterior" else {}
+    return math.fsum(math.log(causes_of(scene, appearance).scale) for appearance in claimed)
 
 
 def appearance_weight(scene: Scene, appearance: str, present: Present) -> Floats:

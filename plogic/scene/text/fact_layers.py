@@ -1,4 +1,4 @@
-"""Layers 1 and 2 of the program: the trees of the hypotheses, and the facts that geometry computed.
+"""Layer 2 of the program: the facts that geometry computed.
 
 Constraints and support.
 
@@ -15,7 +15,7 @@ from plogic.base.bounds import bounded
 from plogic.facts.hypothesis import FeatureFact, Hypothesis
 from plogic.facts.situation import PairFact, both_ways
 from plogic.facts.spatial import GROUND, BodyFact, Gravity, words_of_shared
-from plogic.scene.text.layout import Writer, coordinate, number, quoted
+from plogic.scene.text.layout import Writer, coordinate, number
 
 
 def holds(w: Writer) -> Iterator[str]:
@@ -78,7 +78,7 @@ def whereabouts(w: Writer) -> Iterator[str]:
     situation = w.scene.situation
     space, known = situation.space, {body.id: body for body in situation.space.bodies}
     yield "% Space: the middles of bodies and their nearest places to the camera, metres, camera frame; then the gaps between two, and up."
-    bodies = [known.get(h.id) or _point(h) for h in situation.hypotheses]
+    bodies = [known.get(h.id) or _point(h) for h in situation.hypotheses if h.id not in situation.withheld]
     yield from (_body(w, body) for body in bodies)
     yield from (f"body_gap({w.atoms(x, y)}, {coordinate(gap)})." for x, y, gap in space.gaps)
     yield from (
@@ -107,52 +107,16 @@ def _body(w: Writer, body: BodyFact) -> str:
     return f"{facts} {w.fact(VIEWS[body.view], body.id)}" if body.view in VIEWS else facts
 
 
-def label_comments(w: Writer) -> Iterator[str]:
-    """What generated names stand for."""
-    generated = w.names.generated()
-    if generated:
-        yield "% Names in this text, and the labels that they stand for:"
-        yield from (f"%   {atom} = {quoted(label)}" for atom, label in generated)
-
-
-def trees(w: Writer) -> Iterator[str]:
-    """Layer 1: each hypothesis, its parts, its features."""
-    for h in w.scene.situation.hypotheses:
-        yield ""
-        yield f"{w.fact('hypothesis', h.id, h.type)} {w.fact('instance', h.id, h.group)}" + (
-            f" {w.fact('opaque_surface', h.id)}" if h.opaque else ""
-        )
-        yield from _parts(w, h)
-        yield from (w.fact("feature_of", h.id, f.id, f.type) for f in h.features)
-
-
-def _parts(w: Writer, h: Hypothesis) -> Iterator[str]:
-    known = {part.id for part in h.parts}
-    for part in h.parts:
-        parent = w.node(h, part.parent) if part.parent in known else w.names.atom(h.id)
-        yield f"part_of({w.node(h, part.id)}, {parent})."
-    for f in h.features:
-        if f.id not in known:
-            yield f"part_of({w.node(h, f.id)}, {_host(w, h, f, known)})."
-
-
-def _host(w: Writer, h: Hypothesis, f: FeatureFact, known: set[str]) -> str:
-    """The nearest part on the feature's path; the hypothesis itself where there is none."""
-    steps = f.id.split("/")[:-1]
-    paths = ("/".join(steps[:n]) for n in range(len(steps), 0, -1))
-    return next((w.node(h, path) for path in paths if path in known), w.names.atom(h.id))
-
-
 def geometry(w: Writer) -> Iterator[str]:
-    """Layer 2: poses, one line a feature, Γ, relations of pairs, and the side tables of measures."""
+    """Layer 2: poses, one line a feature, Γ, and relations of pairs."""
     for h in w.scene.situation.hypotheses:
         yield ""
-        yield _position(w, h)
-        yield from (_feature(w, h, f) for f in h.features)
+        known = h.id not in w.scene.situation.withheld
+        yield from [_position(w, h)] * known
+        yield from (_feature(w, h, f, placed=known) for f in h.features)
     yield from _data(w)
     yield from _pairs(w)
     yield from whereabouts(w)
-    yield from _measures(w)
 
 
 def _position(w: Writer, h: Hypothesis) -> str:
@@ -160,8 +124,8 @@ def _position(w: Writer, h: Hypothesis) -> str:
     return f"at({name}, {', '.join(map(coordinate, origin))}). distance({name}, {coordinate(math.hypot(*origin))})."
 
 
-def _feature(w: Writer, h: Hypothesis, f: FeatureFact) -> str:
-    facts = [f"at({w.node(h, f.id)}, {', '.join(coordinate(x) for x in f.at)})."]
+def _feature(w: Writer, h: Hypothesis, f: FeatureFact, *, placed: bool) -> str:
+    facts = [f"at({w.node(h, f.id)}, {', '.join(coordinate(x) for x in f.at)})."] if placed else []
     flags = (("in_image", f.in_image), ("in_lobe", f.in_lobe), ("self_hidden", f.self_hidden))
     facts += [w.fact(name, h.id, f.id) for name, holds in flags if holds]
     facts += [w.fact("behind_surface", h.id, f.id, g) for g in f.hidden_by if g != h.id]
@@ -231,9 +195,3 @@ def constraints(w: Writer) -> Iterator[str]:
         for x, y in _once(w, situation.exclusive):
             yield f"evidence(\\+ violated(shares_data({w.atoms(x, y)})))."
     yield from support_evidence(w)
-
-
-def _measures(w: Writer) -> Iterator[str]:
-    situation = w.scene.situation
-    yield from (f"dv({w.atoms(name)}, {number(v)})." for name, v in situation.dv.items())
-    yield from (f"rank({w.atoms(name)}, {number(v)})." for name, v in situation.rank.items())

@@ -3,16 +3,69 @@
 ``FALLBACKS`` keeps ProbLog from calling a predicate unknown that merely has no facts in this image.
 """
 
+import re
+from collections.abc import Iterable, Iterator
+
+from plogic.base.bounds import LEAST
 from plogic.facts.situation import Situation
 from plogic.facts.vocabulary import VOCABULARY, entries
 
-FALLBACKS = (
-    "part_of/2", "feature_of/3", "hypothesis/2", "instance/2", "opaque_surface/1", "in_image/2", "in_lobe/2", "self_hidden/2",
+FACTS = (
+    "object_type/1", "type_opaque/1", "type_part/2", "type_feature/3", "type_look/4", "facet/2", "face/2", "object_part/1",
+    "hypothesis/2", "instance/2", "in_image/2", "in_lobe/2", "self_hidden/2",
     "behind_surface/3", "match/3", "preferred/3", "datum/2", "overlap/2", "rival_pair/2", "exclusive/2", "outline_relation/3",
     "outline_roc/3", "part_relation/3", "part_roc/3", "at/4", "distance/2", "body_middle/4", "body_nearest/2", "up_direction/3", "inside_image/1",
     "cut_by_image/1", "body_gap/3", "body_over/2", "stands_on/2", "stands_on_both/3", "weighs/1", "open_foot/3", "body_rests/2", "dv/2",
-    "rank/2", "ev_given/3", "context/2",
+    "rank/2", "occluders/2", "cells/3", "drawn/1", "said_roc/4", "said_relation/4", "stands/1",
 )  # fmt: skip
+"""Predicates of facts, and of choices, of which an image may have none; those of one reading alone are in ``ONLY``."""
+ONLY = {
+    "score": ("smoothing/1", "alone/1", "pick/2", "luck/2", "joint/3"),
+    "posterior": ("present/1", "prior/2", "hit_rate/2", "own_rate/3", "hit/2", "chosen/2"),
+}
+
+OBJECT_TYPES = r"""
+% What is said of a hypothesis follows from its type (§2).
+feature_of(H, F, K) :- hypothesis(H, T), type_feature(T, F, K).
+part_of(X, Y) :- hypothesis(H, T), type_part(V, W), node_of(V, T, H, X), node_of(W, T, H, Y).
+node_of(T, T, H, H).
+node_of(T/P, T, H, H/P).
+opaque_surface(H) :- hypothesis(H, T), type_opaque(T).
+
+% §4.2: what bounds an object: its surface, the facets and faces of that, and the surfaces of its parts.
+bounds(S, H) :- hypothesis(H, _), S = surface(H).
+bounds(S, H) :- hypothesis(H, T), facet(T, Fs), S = facet(H, Fs).
+bounds(S, H) :- hypothesis(H, T), face(T, Fs), S = face(H, Fs).
+bounds(S, H) :- hypothesis(H, T), object_part(T/P), S = surface(H/P).
+"""
+
+EV = r"""
+% §5.4: ev from dv and the four cells.
+ev_in(H, C, V) :- cells(H, C, Rows), weighed(Rows, Good, Bad), Good + Bad > 0, V is (Good - Bad) / (Good + Bad).
+weighed([], 0.0, 0.0).
+weighed([row(F, A, C, B, D) | Rest], Good, Bad) :-
+  weight(F, V), weighed(Rest, G, N), Good is G + V * (A + B), Bad is N + V * (C + D).
+weight(F, V) :- dv(F, V).
+weight(own(V), V).
+
+% A context of H: those of its occluders that are present.
+context(H, C) :- occluders(H, Gs), those_present(Gs, C).
+those_present([], []).
+those_present([G | Gs], [G | C]) :- present(G), those_present(Gs, C).
+those_present([G | Gs], C) :- \+ present(G), those_present(Gs, C).
+"""
+
+BOUNDED = r"""
+% What is possible but very improbable stays possible for ProbLog.
+bounded(X, X) :- X =< 0.0.
+bounded(X, X) :- X >= 1.0.
+bounded(X, P) :- X > 0.0, X < 1.0, P is min(max(X, LEAST), 1 - LEAST).
+""".replace("LEAST", repr(LEAST))
+
+CHANCE = r"""
+% P(ev), smoothed where the knowledge base's user asks for it.
+chance(H, C, P) :- ev_in(H, C, V), smoothing(E), Q is E + (1 - 2 * E) * (V + 1) / 2, bounded(Q, P).
+"""
 
 EXPECTED = r"""% D4, D7: what a hypothesis alone leads to expect, and what a present opaque object, no rival, hides.
 own_host_hides(H, F) :- self_hidden(H, F), opaque(H).
@@ -80,12 +133,55 @@ agrees(H) :- luck(H, as_is), pick(H, F), concordant(H, F).
 
 DROP = r"""
 % §8, score, mode drop: P(ev) for each set of accepted occluders that change a cell.
-present(H) :- alone(H), supported(H), context(H, C), ok(H, C).
+present(H) :- alone(H), supported(H), context(H, C), ev_holds(H, C).
 """
 
 JOINT = r"""
-% Mutual occlusion: the hypotheses of a cyclic component are decided together.
-present(H) :- member_of(H, B), context(B, C), joint(B, C, S), includes(S, H).
+% Mutual occlusion: the hypotheses of a cyclic component are decided together. A joint state S has the weight Π_{h∈S} p_h(S) · Π_{h∉S} (1 - p_h(S)),
+% over those that Σc allows; where these weigh nothing over all; where these weigh nothing nobody is present.
+present(H) :- block(B, Hs, _), one_of(H, Hs), joint(B, _, S), one_of(H, S).
+joint_shares(B, C, Ps) :- lawful(B, C, Ws), total(Ws, W), W > 0, shares(Ws, W, Ps).
+joint_shares(B, C, Ps) :- lawful(B, C, Ls), total(Ls, L), L =< 0, block(B, Hs, Ss), weights(Ss, Hs, C, Ws), any_shares(Ws, Ps).
+any_shares(Ws, Ps) :- total(Ws, W), W > 0, shares(Ws, W, Ps).
+any_shares([V | Vs], [1.0 | Vs]) :- total([V | Vs], W), W =< 0.
+lawful(B, C, Ls) :- block(B, Hs, Ss), weights(Ss, Hs, C, Ws), cut(Ss, Ws, Ls).
+cut([], [], []).
+cut([S | Ss], [_ | Ws], [0.0 | Ls]) :- unlawful(S), cut(Ss, Ws, Ls).
+cut([S | Ss], [W | Ws], [W | Ls]) :- \+ unlawful(S), cut(Ss, Ws, Ls).
+unlawful(S) :- one_of(X, S), one_of(Y, S), apart(X, Y).
+apart(X, Y) :- overlap(X, Y).
+apart(X, Y) :- exclusive(X, Y).
+weights([], _, _, []).
+weights([S | Ss], Hs, C, [W | Ws]) :- state_weight(Hs, S, C, W), weights(Ss, Hs, C, Ws).
+state_weight([], _, _, 1.0).
+state_weight([H | Hs], S, C, W) :- one_of(H, S), accepted(H, S, C, P), state_weight(Hs, S, C, V), W is V * P.
+state_weight([H | Hs], S, C, W) :- \+ one_of(H, S), accepted(H, S, C, P), state_weight(Hs, S, C, V), W is V * (1 - P).
+accepted(H, S, C, P) :- occluders(H, Gs), those_in(Gs, S, C, D), acceptance(H, D, P).
+acceptance(H, D, P) :- seen(H, D), chance(H, D, P).
+acceptance(H, D, 0.0) :- \+ acceptable(H, D).
+acceptable(H, D) :- seen(H, D), ev_in(H, D, _).
+seen(H, D) :- cells(H, D, Rows), one_of(row(_, A, _, _, N), Rows), A + N > 0.
+those_in([], _, _, []).
+those_in([G | Gs], S, C, [G | D]) :- of_both(G, S, C), those_in(Gs, S, C, D).
+those_in([G | Gs], S, C, D) :- \+ of_both(G, S, C), those_in(Gs, S, C, D).
+of_both(G, S, _) :- one_of(G, S).
+of_both(G, _, C) :- one_of(G, C).
+one_of(X, [X | _]).
+one_of(X, [_ | Xs]) :- one_of(X, Xs).
+total([], 0.0).
+total([W | Ws], S) :- total(Ws, V), S is V + W.
+shares(Ws, S, Ps) :- over(Ws, S, Xs), total(Xs, X), over(Xs, X, Ps).
+over([], _, []).
+over([W | Ws], S, [P | Ps]) :- X is W / S, lifted(X, P), over(Ws, S, Ps).
+lifted(X, X) :- X =< 0.
+lifted(X, P) :- X > 0, P is max(X, LEAST).
+""".replace("LEAST", repr(LEAST))
+
+RATES = r"""
+% The prior of a type is shared by the N rivals for one instance; a feature has the hit rate of its type, or its own.
+prior_share(T, N, P) :- prior(T, Q), X is Q / N, bounded(X, P).
+rate(H, F, P) :- own_rate(H, F, P).
+rate(H, F, P) :- feature_of(H, F, K), hit_rate(K, P).
 """
 
 POSTERIOR = r"""
@@ -114,15 +210,16 @@ violated(floats(H)) :- floats(H), \+ excused(H).
 """
 
 
-def rules(situation: Situation, *, smoothed: bool) -> list[str]:
-    """The rules of a situation's reading and mode, in blocks of text."""
+def rules(situation: Situation, *, cyclic: bool) -> list[str]:
+    """The rules of a situation's reading and mode, in blocks of text; ``cyclic``: some hide each other in a cycle."""
     reading, reconsider = situation.reading, situation.reconsider
-    blocks = [COMMON, FOUND_REASSIGN if reading == "score" and reconsider == "reassign" else FOUND]
+    blocks = [OBJECT_TYPES, COMMON, FOUND_REASSIGN if reading == "score" and reconsider == "reassign" else FOUND]
+    blocks += [EV, BOUNDED]
     if reading == "score":
-        decide = DROP if reconsider == "drop" else LINEAR + (AGREES_SMOOTHED if smoothed else AGREES)
-        blocks += [SUPPORTED, decide, JOINT, VIOLATED, EXCLUSIVE]
+        decide = DROP if reconsider == "drop" else LINEAR + (AGREES_SMOOTHED if situation.smoothing > 0 else AGREES)
+        blocks += [CHANCE, SUPPORTED, decide, *([JOINT] if cyclic else []), VIOLATED, EXCLUSIVE]
     else:
-        blocks += [POSTERIOR, VIOLATED]
+        blocks += [RATES, POSTERIOR, VIOLATED]
     if situation.gravity is not None:
         blocks.append(FLOATS)
     return [block.strip("\n") for block in blocks]
@@ -133,29 +230,34 @@ def vocabulary_rules(reading: str) -> list[str]:
     return [f"% {e.usage}: {e.meaning}.\n{e.clause}" for e in entries(reading) if e.clause]
 
 
-def fallbacks() -> str:
-    """``name(_, _) :- fail.`` for every predicate of facts, three to a line."""
-    clauses = [f"{name}({', '.join('_' * int(arity))}) :- fail." for name, arity in (s.split("/") for s in FALLBACKS)]
-    return "\n".join(" ".join(clauses[i : i + 3]) for i in range(0, len(clauses), 3))
+PREDICATE = re.compile(r"(?:^|[.;:] ?|^ +)([a-z_]+)\(", re.MULTILINE)
+"""A predicate at the head of a fact, or of a choice, of a line that is no comment."""
+
+
+def fallbacks(reading: str, told: Iterable[str] = ()) -> Iterator[str]:
+    """``name(_, _) :- fail.`` for the predicates of facts and choices of which nothing is told."""
+    lines = [line for text in told for line in text.splitlines() if not line.startswith("%")]
+    known = set(PREDICATE.findall("\n".join(lines)))
+    split = [s.split("/") for s in (*FACTS, *ONLY[reading])]
+    clauses = [f"{name}({', '.join('_' * int(arity))}) :- fail." for name, arity in split if name not in known]
+    if clauses:
+        yield "% Of these there is nothing here."
+        yield from (" ".join(clauses[i : i + 4]) for i in range(0, len(clauses), 4))
+        yield ""
 
 
 def defined() -> frozenset[str]:
     """Every signature that programs define, in either reading: nobody else may add clauses to it."""
     inner = {
-        "proper_part/2", "belongs/2", "rival/2", "own_host_hides/2", "candidate/2", "hidden/2", "in_view/2", "claims/3", "not_behind/2",
-        "all_behind/2", "found/2", "taken_away/3", "supported/1", "concordant/2", "agrees/1", "hitting/3", "other_hit/3", "any_hit/1",
-        "explained/1", "missed/2", "violated/1", "caused/1", "outbid/3", "higher_up/1",
+        "part_of/2", "feature_of/3", "opaque_surface/1", "proper_part/2", "belongs/2", "rival/2",
+        "own_host_hides/2", "candidate/2", "hidden/2", "in_view/2", "claims/3", "not_behind/2", "all_behind/2",
+        "bounds/2", "node_of/4", "found/2", "taken_away/3", "supported/1", "concordant/2", "agrees/1", "hitting/3",
+        "other_hit/3", "any_hit/1", "explained/1", "missed/2", "violated/1", "caused/1", "unposed/2", "outbid/3", "higher_up/1",
+        "ev_in/3", "weighed/3", "weight/2", "context/2", "those_present/2", "bounded/2", "chance/3", "ev_holds/2",
+        "joint_shares/3", "any_shares/2", "lawful/3", "cut/3", "unlawful/1", "apart/2", "weights/4",
+        "state_weight/4", "accepted/4", "acceptance/3", "acceptable/2", "seen/2", "those_in/4", "of_both/3",
+        "one_of/2", "total/2", "shares/3", "over/3", "lifted/2", "prior_share/3", "rate/3", "block/3",
     }  # fmt: skip
-    choices = {
-        "alone/1",
-        "ok/2",
-        "pick/2",
-        "luck/2",
-        "member_of/2",
-        "joint/3",
-        "includes/2",
-        "hit/2",
-        "chosen/2",
-        "excused/1",
-    }
-    return frozenset(inner | choices | set(FALLBACKS) | {entry.signature for entry in VOCABULARY})
+    return frozenset(
+        inner | {*FACTS, *ONLY["score"], *ONLY["posterior"], "excused/1"} | {e.signature for e in VOCABULARY}
+    )

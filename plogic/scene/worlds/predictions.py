@@ -19,14 +19,14 @@ other, and a transparent object hides nothing.
 """
 
 import math
-from collections.abc import Iterator, Mapping
-from typing import NamedTuple
+from collections.abc import Iterable, Iterator, Mapping
+from typing import NamedTuple, Self
 
 import numpy as np
 
 from geometry.arrays import Mask
 from plogic.facts.dependence import Scene
-from plogic.facts.document import DoubtRow
+from plogic.facts.document import DoubtRow, Interpretation
 from plogic.facts.situation import PairFact, Situation
 from plogic.scene.readings.world_weights import cells, p_ev
 
@@ -37,23 +37,34 @@ NAMED = 3
 
 
 class Doubt(NamedTuple):
-    """The ``relation`` of the pair ``args``, what it predicts, what is ``found``, and why that is so."""
+    """The ``relation`` of the pair ``args``, what it predicts, what is ``found``, and why that is so.
+
+    ``evidence``: its probability by what is detected of both (§8, last paragraph), where that was asked.
+    """
 
     relation: str
     args: tuple[str, str]
     expected: str
     found: str
     why: str
+    evidence: float | None = None
+
+    @classmethod
+    def of(cls, row: DoubtRow) -> Self:
+        """The doubt that a document tells."""
+        x, y = row["args"]
+        return cls(row["relation"], (x, y), row["expected"], row["found"], row["why"], row.get("evidence"))
 
     def document(self) -> DoubtRow:
         """As in ``interpretation.json``."""
-        return {
+        row: DoubtRow = {
             "relation": self.relation,
             "args": list(self.args),
             "expected": self.expected,
             "found": self.found,
             "why": self.why,
         }
+        return row if self.evidence is None else {**row, "evidence": self.evidence}
 
 
 def doubts(situation: Situation) -> tuple[Doubt, ...]:
@@ -70,7 +81,14 @@ def doubts(situation: Situation) -> tuple[Doubt, ...]:
 
 def said(doubt: Doubt) -> str:
     """One line for people."""
-    return f"a reason to doubt {doubt.relation}({', '.join(doubt.args)}): expected {doubt.expected}, found {doubt.found}: {doubt.why}"
+    line = f"a reason to doubt {doubt.relation}({', '.join(doubt.args)}): expected {doubt.expected}, found {doubt.found}: {doubt.why}"
+    return line if doubt.evidence is None else f"{line}; what is detected of both gives it {doubt.evidence:.3g}"
+
+
+def weighed(found: Iterable[Doubt], document: Interpretation) -> list[Doubt]:
+    """The doubts with the probabilities that the document tells of their relations."""
+    told = {(row["relation"], *row["args"]): row.get("evidence") for row in document.get("doubts", ())}
+    return [doubt._replace(evidence=told.get((doubt.relation, *doubt.args))) for doubt in found]
 
 
 def _of_pair(scene: Scene, fact: PairFact, alone: Mapping[str, float]) -> Iterator[Doubt]:

@@ -23,23 +23,29 @@ import heapq
 import math
 import time
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import NamedTuple
 
 import numpy as np
 
 from plogic.base.bounds import alternative, bounded
 from plogic.base.clock import Clock, OutOfTimeError
-from plogic.base.errors import InconsistentError, LimitError, WidthError
+from plogic.base.errors import InconsistentError, LimitError, OutsideError, WidthError
+from plogic.facts.dependence import Scene
 from plogic.facts.hypothesis import Hypothesis
 from plogic.facts.sanity import check
-from plogic.facts.situation import Situation
+from plogic.facts.situation import Situation, names_of
 from plogic.inference.gates import Literal, observed
 from plogic.inference.graph import Beliefs, FactorGraph, connected
 from plogic.inference.marginals import beliefs, summed_out
-from plogic.inference.ranked import Ranked
+from plogic.inference.ranked import Ranked, best
+from plogic.logic.safety.atoms import quoted
+from plogic.logic.served.engine import Limits, program_worlds, run
 from plogic.scene.factors.scene_graph import SceneGraph, scene_graph
 from plogic.scene.factors.weight_tables import Cast, cast_of
+from plogic.scene.readings.world_weights import log_scale
+from plogic.scene.text.program_text import program_of
+from plogic.scene.worlds.blame import blaming
 
 Weighed = tuple[float, tuple[int, ...]]
 Interval = tuple[float, float]
@@ -248,15 +254,44 @@ def ranked_worlds(situation: Situation, n: int = 10, *, seconds: float | None = 
     With ``seconds``, what can be said by then, in intervals that contain the exact values.
 
     Raises InconsistentError where none is possible, WidthError (without ``seconds``) where exact inference would need
-    too large a table.
+    too large a table; where rules of the author's say what only the program text can, also as
+    ``plogic.logic.served.engine.run``.
     """
     check(situation)
+    with blaming(situation):
+        try:
+            return _on_graph(situation, n, seconds)
+        except OutsideError:
+            return _by_text(situation, n, seconds)
+
+
+def _on_graph(situation: Situation, n: int, seconds: float | None) -> Ranking:
     end = None if seconds is None else time.monotonic() + seconds
     scene = scene_graph(situation)
     belief = beliefs(scene.graph, seconds=None if seconds is None else seconds / 2)
     if belief.log_z[1] == -math.inf:
         raise InconsistentError(_reason(scene))
-    return ranking_of(situation, scene, belief, listed_worlds(situation, scene, n, end))
+    ranking = ranking_of(situation, scene, belief, listed_worlds(situation, scene, n, end))
+    return with_joint_causes(ranking, scene) if scene.spoken else ranking
+
+
+def _by_text(situation: Situation, n: int, seconds: float | None) -> Ranking:
+    """By the program text, all of it by ``seconds``; else LimitError."""
+    limits = Limits() if seconds is None else Limits(seconds=max(seconds, FIRST))
+    text, names, ids = program_of(situation), names_of(situation), [h.id for h in situation.hypotheses]
+    goals = {f"present({quoted(name)})": name for name in ids}
+    found = program_worlds(text, n, goals=list(goals), limits=limits, names=names)
+    chances = run([text], list(goals), names=names, limits=limits)
+    present = [tuple(sorted((goals[goal] for goal in w.holds), key=ids.index)) for w in found.worlds]
+    causes = CauseTable(cast_of(situation)).causes(present)
+    worlds = tuple(
+        World(w.probability, who, c, (w.probability, w.probability))
+        for w, who, c in zip(found.worlds, present, causes, strict=True)
+    )
+    marginals = {name: answer.probability for name, (answer,) in zip(ids, chances, strict=True)}
+    log_evidence = (found.log_evidence or 0.0) + log_scale(Scene(situation))
+    intervals = {name: (p, p) for name, p in marginals.items()}
+    return Ranking(worlds, found.unlisted, log_evidence, marginals, intervals, (log_evidence, log_evidence))
 
 
 def ranking_of(situation: Situation, scene: SceneGraph, belief: Beliefs, found: tuple[Listed, bool]) -> Ranking:
@@ -282,6 +317,22 @@ def ranking_of(situation: Situation, scene: SceneGraph, belief: Beliefs, found: 
         log_z,
         complete,
     )
+
+
+def with_joint_causes(ranking: Ranking, scene: SceneGraph) -> Ranking:
+    """The ranking with the most probable joint causes in each world, given the evidence.
+
+    Of the appearances whose causes are variables, since evidence speaks of them.
+    """
+    return replace(
+        ranking, worlds=tuple(replace(w, causes={**w.causes, **_causes(scene, w.present)}) for w in ranking.worlds)
+    )
+
+
+def _causes(scene: SceneGraph, present: Sequence[str]) -> dict[str, str]:
+    states = dict.fromkeys(range(len(scene.variables)), 0) | dict(scene.place[name] for name in present)
+    (_, found), *_ = best(observed(scene.graph, [Literal(v, frozenset({s})) for v, s in states.items()]), 1)
+    return {name: "/".join(cause.states[found[cause.variable]]) for name, cause in scene.causes.items()}
 
 
 def listed_worlds(situation: Situation, scene: SceneGraph, n: int, end: float | None = None) -> tuple[Listed, bool]:

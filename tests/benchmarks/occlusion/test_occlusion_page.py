@@ -4,10 +4,10 @@ from pathlib import Path
 
 import pytest
 
-from benchmarks.occlusion.models import possible_triples
 from benchmarks.occlusion.neighbours import neighbours
-from benchmarks.occlusion.page import LINES_FILE, lines, page
+from benchmarks.occlusion.page import LINES_FILE, WITHHELD, lines, page
 from benchmarks.occlusion.tables import composition, counts_table, relations_table, sign
+from geometry.visibility.composition import possible_triples
 from geometry.visibility.occlusion import TOLERANCE
 from geometry.visibility.roc import ROC20
 from plogic.cycle.delta import MOST_PART_PAIRS
@@ -59,10 +59,12 @@ def test_the_page_is_made_of_what_the_benchmark_said(upper):
         {"table": "pairs", "kind": "convex", "pairs": 7},
         {"table": "relations", "sign": "dc", "pairs": 7, "neighbours": "ec"},
         {"table": "composition", "built": 3, "built wrong": 0},
+        *({"table": name, "told": name} for name in WITHHELD),
     ]
     less = {pair: some - {"mutually_occludes_po"} for pair, some in upper.items()}
     made = page({"rows": rows, "claims": [{"claim": "c", "met": True}]}, less, upper, 2, 5)
     assert "| convex | 7 |" in made
+    assert all(f"| {name} |" in made for name in WITHHELD)
     assert "bisecting 5 motions of each of 2 kinds" in made
     assert "3 of them asked for their relations, none otherwise" in " ".join(made.split())
     assert "+ |" in made

@@ -8,10 +8,10 @@ from itertools import permutations
 import numpy as np
 import pytest
 
-from benchmarks.occlusion.models import possible_triples
 from benchmarks.occlusion.stacks import clamps, codes, grown, one_piece
 from benchmarks.occlusion.tables import composition, composition_lines, sign
 from benchmarks.occlusion.witness import arrangements, built, checked, triples
+from geometry.visibility.composition import possible_triples
 from geometry.visibility.roc import ROC20, converse, parts_of
 
 

@@ -82,7 +82,7 @@ def test_a_kb_that_is_not_there(tmp_path, gamma):
     (tmp_path / "gamma.json").write_text(json.dumps(gamma))
     (tmp_path / "empty").mkdir()
     wanted = {
-        "nowhere": "no knowledge base 'nowhere' comes with plogic; these do: first, lookalikes, towers",
+        "nowhere": "no knowledge base 'nowhere' comes with plogic; these do: first, lookalikes, paper, towers",
         "./nowhere": "nowhere: there is no such folder",
         "empty": "empty: the folder holds no kb.yaml",
         "gamma.json": "gamma.json: is a file, not a folder",

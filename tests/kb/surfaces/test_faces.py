@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 import trimesh
 
-from benchmarks.author.junctions import Face, faces, normals_of
 from benchmarks.author.towers import t1, t2
+from kb.surfaces.faces import Face, faces, normals_of
 from kb.surfaces.surface import Surface, welded
 
 

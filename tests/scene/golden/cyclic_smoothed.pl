@@ -1,20 +1,21 @@
 % The possible worlds of one image. Reading: score, reconsideration: to_B. A world is an assignment of present/1.
 
-% ==== (1) Σo: the feature-cloud trees of the hypotheses and their part-whole hierarchy
+% ==== (1) Σo: object types as feature clouds, and the hypotheses that are of them
 
-hypothesis(h1, box). instance(h1, g_h1). opaque_surface(h1).
-part_of(h1/x, h1).
-part_of(h1/y, h1).
-feature_of(h1, x, corner).
-feature_of(h1, y, corner).
+object_type(box). type_opaque(box).
+type_part(box/x, box). type_feature(box, x, corner).
+type_part(box/y, box). type_feature(box, y, corner).
 
-hypothesis(h2, box). instance(h2, g_h2). opaque_surface(h2).
-part_of(h2/x, h2).
-part_of(h2/y, h2).
-feature_of(h2, x, corner).
-feature_of(h2, y, corner).
+% Δh: of which type each hypothesis is, and for which instance it competes.
+hypothesis(h1, box). instance(h1, g_h1).
+hypothesis(h2, box). instance(h2, g_h2).
 
-% ==== (2) What geometry computed: poses, visibility, matches, overlaps, outlines; then the measures
+% ==== (2) The measures of Σo, and what geometry computed: poses, visibility, matches, outlines
+dv(apex, 0.9910714285714286).
+dv(corner, 0.8571428571428572).
+dv(other, 0.1517857142857143).
+rank(box, 0.9).
+smoothing(0.01).
 
 at(h1, 0.0000, 0.0000, 5.0000). distance(h1, 5.0000).
 at(h1/x, 0.0000, 0.0000, 5.0000). in_image(h1, x). in_lobe(h1, x). match(h1, x, a1).
@@ -32,49 +33,51 @@ datum(a2, l_junction).
 body_middle(h1, 0.0000, 0.0000, 5.0000). body_nearest(h1, 5.0000).
 body_middle(h2, 0.0000, 0.0000, 5.0000). body_nearest(h2, 5.0000).
 body_gap(h1, h2, 0.0000).
-dv(apex, 0.9910714285714286).
-dv(corner, 0.8571428571428572).
-dv(other, 0.1517857142857143).
-rank(box, 0.9).
-context(h1, []) :- \+ present(h2).
-context(h1, [h2]) :- present(h2).
-ev_given(h1, [], 0.0).
-ev_given(h1, [h2], 1.0).
-context(h2, []) :- \+ present(h1).
-context(h2, [h1]) :- present(h1).
-ev_given(h2, [], 0.0).
-ev_given(h2, [h1], 1.0).
+% The four cells of each hypothesis in each context, by feature type: E∧D, E∧¬D, ¬E∧¬D, ¬E∧D.
+occluders(h1, [h2]).
+cells(h1, [], [row(own(0.5), 1, 1, 0, 0)]).
+cells(h1, [h2], [row(own(0.5), 1, 0, 1, 0)]).
+occluders(h2, [h1]).
+cells(h2, [], [row(own(0.5), 1, 1, 0, 0)]).
+cells(h2, [h1], [row(own(0.5), 1, 0, 1, 0)]).
 
 % ==== (3) The choices
-alone(_) :- fail. ok(_, _) :- fail. pick(_, _) :- fail. luck(_, _) :- fail.
-member_of(_, _) :- fail. joint(_, _, _) :- fail. includes(_, _) :- fail.
+% A feature drawn from Σo is of type F with P(dv(F)) = 1 - dv(F), over their sum, which is 1 (§5.1).
+(1-Apex)/S::drawn(apex); (1-Corner)/S::drawn(corner); (1-Other)/S::drawn(other) :-
+  dv(apex, Apex), dv(corner, Corner), dv(other, Other), S is (1-Apex) + (1-Corner) + (1-Other), S > 0.
 
 % h1, h2 occlude each other in a cycle: decided jointly.
-member_of(h1, block(1)).
-member_of(h2, block(1)).
-includes([h1], h1).
-includes([h2], h2).
-includes([h1, h2], h1).
-includes([h1, h2], h2).
-context(block(1), []).
-0.20159664543182002::joint(block(1), [], []); 0.004031932908636404::joint(block(1), [], [h1]); 0.004031932908636404::joint(block(1), [], [h2]);
-  0.7903394887509072::joint(block(1), [], [h1, h2]).
+block(1, [h1, h2], [[], [h1], [h2], [h1, h2]]). occluders(block(1), []).
+P0::joint(1, C, []); P1::joint(1, C, [h1]); P2::joint(1, C, [h2]);
+  P3::joint(1, C, [h1, h2]) :-
+  context(block(1), C), joint_shares(1, C, [P0, P1, P2, P3]).
+% P(ev) of a hypothesis in a context is a probabilistic fact (§5.4).
+P::ev_holds(H, C) :- chance(H, C, P).
+% Smoothing: with chance E a hypothesis is present, and with chance E absent, whatever is picked, where its ev is defined.
+E::luck(H, yes); E::luck(H, no); (1-2*E)::luck(H, as_is) :- alone(H), ev_in(H, [], _), smoothing(E).
 
 % ==== (4) Σc: constraints and definitions D1-D8, free of any object type
-% Predicates that may have no facts in this image.
-part_of(_, _) :- fail. feature_of(_, _, _) :- fail. hypothesis(_, _) :- fail.
-instance(_, _) :- fail. opaque_surface(_) :- fail. in_image(_, _) :- fail.
-in_lobe(_, _) :- fail. self_hidden(_, _) :- fail. behind_surface(_, _, _) :- fail.
-match(_, _, _) :- fail. preferred(_, _, _) :- fail. datum(_, _) :- fail.
-overlap(_, _) :- fail. rival_pair(_, _) :- fail. exclusive(_, _) :- fail.
-outline_relation(_, _, _) :- fail. outline_roc(_, _, _) :- fail. part_relation(_, _, _) :- fail.
-part_roc(_, _, _) :- fail. at(_, _, _, _) :- fail. distance(_, _) :- fail.
-body_middle(_, _, _, _) :- fail. body_nearest(_, _) :- fail. up_direction(_, _, _) :- fail.
-inside_image(_) :- fail. cut_by_image(_) :- fail. body_gap(_, _, _) :- fail.
-body_over(_, _) :- fail. stands_on(_, _) :- fail. stands_on_both(_, _, _) :- fail.
-weighs(_) :- fail. open_foot(_, _, _) :- fail. body_rests(_, _) :- fail.
-dv(_, _) :- fail. rank(_, _) :- fail. ev_given(_, _, _) :- fail.
-context(_, _) :- fail.
+% Of these there is nothing here.
+type_look(_, _, _, _) :- fail. facet(_, _) :- fail. face(_, _) :- fail. object_part(_) :- fail.
+self_hidden(_, _) :- fail. preferred(_, _, _) :- fail. overlap(_, _) :- fail. rival_pair(_, _) :- fail.
+exclusive(_, _) :- fail. outline_relation(_, _, _) :- fail. outline_roc(_, _, _) :- fail. part_relation(_, _, _) :- fail.
+part_roc(_, _, _) :- fail. up_direction(_, _, _) :- fail. inside_image(_) :- fail. cut_by_image(_) :- fail.
+body_over(_, _) :- fail. stands_on(_, _) :- fail. stands_on_both(_, _, _) :- fail. weighs(_) :- fail.
+open_foot(_, _, _) :- fail. body_rests(_, _) :- fail. said_roc(_, _, _, _) :- fail. said_relation(_, _, _, _) :- fail.
+stands(_) :- fail. alone(_) :- fail. pick(_, _) :- fail.
+
+% What is said of a hypothesis follows from its type (§2).
+feature_of(H, F, K) :- hypothesis(H, T), type_feature(T, F, K).
+part_of(X, Y) :- hypothesis(H, T), type_part(V, W), node_of(V, T, H, X), node_of(W, T, H, Y).
+node_of(T, T, H, H).
+node_of(T/P, T, H, H/P).
+opaque_surface(H) :- hypothesis(H, T), type_opaque(T).
+
+% §4.2: what bounds an object: its surface, the facets and faces of that, and the surfaces of its parts.
+bounds(S, H) :- hypothesis(H, _), S = surface(H).
+bounds(S, H) :- hypothesis(H, T), facet(T, Fs), S = facet(H, Fs).
+bounds(S, H) :- hypothesis(H, T), face(T, Fs), S = face(H, Fs).
+bounds(S, H) :- hypothesis(H, T), object_part(T/P), S = surface(H/P).
 
 % A3: proper parts; belongs(X, H): node X is of the tree of hypothesis H.
 proper_part(X, Y) :- part_of(X, Y).
@@ -100,6 +103,28 @@ all_behind(Y, X) :- behind_surface(Y, F, X), candidate(Y, F), X \= Y, \+ not_beh
 % D8: a feature is detected if the hypothesis' one matching gives it an appearance.
 found(H, F) :- match(H, F, _), in_image(H, F).
 
+% §5.4: ev from dv and the four cells.
+ev_in(H, C, V) :- cells(H, C, Rows), weighed(Rows, Good, Bad), Good + Bad > 0, V is (Good - Bad) / (Good + Bad).
+weighed([], 0.0, 0.0).
+weighed([row(F, A, C, B, D) | Rest], Good, Bad) :-
+  weight(F, V), weighed(Rest, G, N), Good is G + V * (A + B), Bad is N + V * (C + D).
+weight(F, V) :- dv(F, V).
+weight(own(V), V).
+
+% A context of H: those of its occluders that are present.
+context(H, C) :- occluders(H, Gs), those_present(Gs, C).
+those_present([], []).
+those_present([G | Gs], [G | C]) :- present(G), those_present(Gs, C).
+those_present([G | Gs], C) :- \+ present(G), those_present(Gs, C).
+
+% What is possible but very improbable stays possible for ProbLog.
+bounded(X, X) :- X =< 0.0.
+bounded(X, X) :- X >= 1.0.
+bounded(X, P) :- X > 0.0, X < 1.0, P is min(max(X, 1e-08), 1 - 1e-08).
+
+% P(ev), smoothed where the knowledge base's user asks for it.
+chance(H, C, P) :- ev_in(H, C, V), smoothing(E), Q is E + (1 - 2 * E) * (V + 1) / 2, bounded(Q, P).
+
 % A hypothesis counts only if at least one of its features is detected: a fully hidden phantom would have ev = +1.
 supported(H) :- match(H, F, _), found(H, F).
 
@@ -110,8 +135,44 @@ present(H) :- alone(H), supported(H), agrees(H).
 agrees(H) :- luck(H, yes).
 agrees(H) :- luck(H, as_is), pick(H, F), concordant(H, F).
 
-% Mutual occlusion: the hypotheses of a cyclic component are decided together.
-present(H) :- member_of(H, B), context(B, C), joint(B, C, S), includes(S, H).
+% Mutual occlusion: the hypotheses of a cyclic component are decided together. A joint state S has the weight Π_{h∈S} p_h(S) · Π_{h∉S} (1 - p_h(S)),
+% over those that Σc allows; where these weigh nothing over all; where these weigh nothing nobody is present.
+present(H) :- block(B, Hs, _), one_of(H, Hs), joint(B, _, S), one_of(H, S).
+joint_shares(B, C, Ps) :- lawful(B, C, Ws), total(Ws, W), W > 0, shares(Ws, W, Ps).
+joint_shares(B, C, Ps) :- lawful(B, C, Ls), total(Ls, L), L =< 0, block(B, Hs, Ss), weights(Ss, Hs, C, Ws), any_shares(Ws, Ps).
+any_shares(Ws, Ps) :- total(Ws, W), W > 0, shares(Ws, W, Ps).
+any_shares([V | Vs], [1.0 | Vs]) :- total([V | Vs], W), W =< 0.
+lawful(B, C, Ls) :- block(B, Hs, Ss), weights(Ss, Hs, C, Ws), cut(Ss, Ws, Ls).
+cut([], [], []).
+cut([S | Ss], [_ | Ws], [0.0 | Ls]) :- unlawful(S), cut(Ss, Ws, Ls).
+cut([S | Ss], [W | Ws], [W | Ls]) :- \+ unlawful(S), cut(Ss, Ws, Ls).
+unlawful(S) :- one_of(X, S), one_of(Y, S), apart(X, Y).
+apart(X, Y) :- overlap(X, Y).
+apart(X, Y) :- exclusive(X, Y).
+weights([], _, _, []).
+weights([S | Ss], Hs, C, [W | Ws]) :- state_weight(Hs, S, C, W), weights(Ss, Hs, C, Ws).
+state_weight([], _, _, 1.0).
+state_weight([H | Hs], S, C, W) :- one_of(H, S), accepted(H, S, C, P), state_weight(Hs, S, C, V), W is V * P.
+state_weight([H | Hs], S, C, W) :- \+ one_of(H, S), accepted(H, S, C, P), state_weight(Hs, S, C, V), W is V * (1 - P).
+accepted(H, S, C, P) :- occluders(H, Gs), those_in(Gs, S, C, D), acceptance(H, D, P).
+acceptance(H, D, P) :- seen(H, D), chance(H, D, P).
+acceptance(H, D, 0.0) :- \+ acceptable(H, D).
+acceptable(H, D) :- seen(H, D), ev_in(H, D, _).
+seen(H, D) :- cells(H, D, Rows), one_of(row(_, A, _, _, N), Rows), A + N > 0.
+those_in([], _, _, []).
+those_in([G | Gs], S, C, [G | D]) :- of_both(G, S, C), those_in(Gs, S, C, D).
+those_in([G | Gs], S, C, D) :- \+ of_both(G, S, C), those_in(Gs, S, C, D).
+of_both(G, S, _) :- one_of(G, S).
+of_both(G, _, C) :- one_of(G, C).
+one_of(X, [X | _]).
+one_of(X, [_ | Xs]) :- one_of(X, Xs).
+total([], 0.0).
+total([W | Ws], S) :- total(Ws, V), S is V + W.
+shares(Ws, S, Ps) :- over(Ws, S, Xs), total(Xs, X), over(Xs, X, Ps).
+over([], _, []).
+over([W | Ws], S, [P | Ps]) :- X is W / S, lifted(X, P), over(Ws, S, Ps).
+lifted(X, X) :- X =< 0.
+lifted(X, P) :- X > 0, P is max(X, 1e-08).
 
 % A4: distinct maximal objects are discrete.
 violated(shares_volume(X, Y)) :- overlap(X, Y), present(X), present(Y).
@@ -162,7 +223,7 @@ caused(A) :- cause(A, _, _).
 behind(H/F, G) :- behind_surface(H, F, G), present(H), present(G).
 behind(H, G) :- hypothesis(H, _), hypothesis(G, _), all_behind(H, G), present(H), present(G).
 % hides_all_features(X, Y): opaque X hides every self-visible feature of Y, and there is one (D5, feature form).
-hides_all_features(X, Y) :- hypothesis(Y, _), opaque(X), behind(Y, X).
+hides_all_features(X, Y) :- hypothesis(Y, _), behind(Y, X), opaque(X).
 % roc(Relation, X, Y): the relation of X to Y is this one of ROC-20, by outlines and depth (§3.7); X and Y are hypotheses, of which exactly one holds, or parts that are objects.
 roc(R, X, Y) :- outline_roc(R, X, Y), present(X), present(Y).
 roc(R, X, Y) :- part_roc(R, X, Y), node(X), node(Y).
@@ -182,10 +243,20 @@ mutually_occludes(X, Y) :- part_relation(mutually_occludes, X, Y), node(X), node
 % non_occludes(X, Y): neither is in front of a part of the other.
 non_occludes(X, Y) :- outline_relation(non_occludes, X, Y), present(X), present(Y).
 non_occludes(X, Y) :- part_relation(non_occludes, X, Y), node(X), node(Y).
-% opaque(H): H's surface is opaque (A5, A6).
+% surface_of(S, X): S is the surface `surface(X)` of X, a present hypothesis or a part of it that is an object (§4.2).
+surface_of(S, X) :- bounds(S, H), present(H), S = surface(X).
+% surface_part(S, H): S is part of the surface of the present hypothesis H: `facet(H, Features)`, `face(H, Features)`, or the surface of a part.
+surface_part(S, H) :- bounds(S, H), S \= surface(H), present(H).
+% opaque(X): X is opaque: a hypothesis, its surface, or a part of either (A5, A6).
 opaque(H) :- opaque_surface(H).
+opaque(H/P) :- bounds(surface(H/P), H), opaque_surface(H).
+opaque(S) :- bounds(S, H), opaque_surface(H).
+% evidence_roc(Relation, X, Y): the relation of X to Y by what is detected of both, not by their poses, is this one of ROC-20 (§8, last paragraph); where one pose is withheld, roc is this.
+evidence_roc(R, X, Y) :- stands(S), said_roc(S, R, X, Y), present(X), present(Y).
+% evidence_relation(Relation, X, Y): the same, of the four coarse relations.
+evidence_relation(R, X, Y) :- stands(S), said_relation(S, R, X, Y), present(X), present(Y).
 % ev(H, V): V is the explanatory value of the present H, given which of its occluders are present (§5.4, §5.5).
-ev(H, V) :- hypothesis(H, _), present(H), context(H, C), ev_given(H, C, V).
+ev(H, V) :- hypothesis(H, _), present(H), context(H, C), ev_in(H, C, V).
 % left_of(X, Y): X's middle is further left than Y's, along the camera's x axis.
 left_of(X, Y) :- body_middle(X, A, _, _), body_middle(Y, B, _, _), A < B, present(X), present(Y).
 % right_of(X, Y): Y is left of X.

@@ -1,39 +1,48 @@
 % The possible worlds of one image. Reading: score, reconsideration: drop. A world is an assignment of present/1.
 % Names in this text, and the labels that they stand for:
-%   f1 = "roof/apex"
 %   n1 = "Grand Hall"
 
-% ==== (1) Σo: the feature-cloud trees of the hypotheses and their part-whole hierarchy
+% ==== (1) Σo: object types as feature clouds, and the hypotheses that are of them
+% A look is seen from its lobe: axis x, y, z in the object's frame, half angle, rad, nearest and farthest, m.
 
-hypothesis(h1, box). instance(h1, g_h1). opaque_surface(h1).
+object_type(box).
+type_part(box/corner, box). type_feature(box, corner, corner).
+  type_look(box, corner, l_junction, lobe(0.0, 0.6, 0.8, 1.2, 0.5, 30.0)).
+facet(box, [corner, corner, corner]).
+
+object_type(n1). type_opaque(n1).
+type_part(n1/corner, n1). type_feature(n1, corner, corner).
+
+object_type(cup).
+type_part(cup/rim, cup). type_feature(cup, rim, corner).
+  type_look(cup, rim, l_junction, lobe(0.0, 0.6, 0.8, 1.2, 0.5, 30.0)).
+
+% Δh: of which type each hypothesis is, and for which instance it competes.
+hypothesis(h1, box). instance(h1, g_h1).
+opaque_surface(h1).
 part_of(h1/roof, h1).
-part_of(h1/f1, h1/roof).
-part_of(h1/corner, h1).
+part_of(h1/'roof/apex', h1/roof).
 part_of(h1/patch, h1).
-feature_of(h1, f1, apex).
-feature_of(h1, corner, corner).
-feature_of(h1, patch, corner).
-
-hypothesis(h2, box). instance(h2, g_h2). opaque_surface(h2).
-part_of(h2/corner, h2).
+feature_of(h1, 'roof/apex', apex).
+feature_of(h1, patch, patch).
+hypothesis(h2, box). instance(h2, g_h2).
+opaque_surface(h2).
 part_of(h2/patch, h2).
 part_of(h2/rim, h2).
-feature_of(h2, corner, corner).
-feature_of(h2, patch, corner).
+feature_of(h2, patch, patch).
 feature_of(h2, rim, corner).
-
 hypothesis(h3, box). instance(h3, g_h2).
-part_of(h3/corner, h3).
-feature_of(h3, corner, corner).
+hypothesis(h4, n1). instance(h4, g_h4).
 
-hypothesis(h4, n1). instance(h4, g_h4). opaque_surface(h4).
-part_of(h4/corner, h4).
-feature_of(h4, corner, corner).
-
-% ==== (2) What geometry computed: poses, visibility, matches, overlaps, outlines; then the measures
+% ==== (2) The measures of Σo, and what geometry computed: poses, visibility, matches, outlines
+dv(apex, 0.99).
+dv(corner, 0.5).
+dv(patch, 0.15).
+rank(box, 0.9).
+smoothing(0.0).
 
 at(h1, 0.0000, 0.0000, 5.0000). distance(h1, 5.0000).
-at(h1/f1, 0.0000, 0.0000, 5.0000). in_image(h1, f1). in_lobe(h1, f1). match(h1, f1, a1).
+at(h1/'roof/apex', 0.0000, 0.0000, 5.0000). in_image(h1, 'roof/apex'). in_lobe(h1, 'roof/apex'). match(h1, 'roof/apex', a1).
 at(h1/corner, 0.0000, 0.0000, 5.0000). in_image(h1, corner). in_lobe(h1, corner). match(h1, corner, a2).
 at(h1/patch, 0.0000, 0.0000, 5.0000). in_image(h1, patch). in_lobe(h1, patch).
 
@@ -81,52 +90,47 @@ body_over(h1, h3).
 stands_on(h1, h2).
 stands_on_both(h1, h3, h4).
 % overlap(h2, h3): 2.1e-05 m3, 12 to 12.5 mm deep
-dv(apex, 0.9910714285714286).
-dv(corner, 0.8571428571428572).
-dv(other, 0.1517857142857143).
-rank(box, 0.9).
-context(h1, []).
-ev_given(h1, [], 0.817073171).
-context(h2, []) :- \+ present(h1).
-context(h2, [h1]) :- present(h1).
-ev_given(h2, [], -0.130434783).
-ev_given(h2, [h1], 0.0).
-context(h3, []).
-ev_given(h3, [], 1.0).
-context(h4, []).
+% The four cells of each hypothesis in each context, by feature type: E∧D, E∧¬D, ¬E∧¬D, ¬E∧D.
+occluders(h1, []).
+cells(h1, [], [row(apex, 1, 0, 0, 0), row(corner, 1, 0, 0, 0), row(patch, 0, 1, 0, 0)]).
+occluders(h2, [h1]).
+cells(h2, [], [row(corner, 1, 0, 0, 0), row(patch, 0, 1, 0, 0), row(own(0.75), 0, 0, 0, 1)]).
+cells(h2, [h1], [row(corner, 1, 0, 0, 0), row(own(0.75), 0, 0, 0, 1)]).
+occluders(h3, []).
+cells(h3, [], [row(corner, 1, 0, 0, 0)]).
+occluders(h4, []).
+cells(h4, [], []).
 
 % ==== (3) The choices
-alone(_) :- fail. ok(_, _) :- fail. pick(_, _) :- fail. luck(_, _) :- fail.
-member_of(_, _) :- fail. joint(_, _, _) :- fail. includes(_, _) :- fail.
+% A feature drawn from Σo is of type F with P(dv(F)) = 1 - dv(F), over their sum, which is 1 (§5.1).
+(1-Apex)/S::drawn(apex); (1-Corner)/S::drawn(corner); (1-Patch)/S::drawn(patch) :-
+  dv(apex, Apex), dv(corner, Corner), dv(patch, Patch), S is (1-Apex) + (1-Corner) + (1-Patch), S > 0.
 
+% P(ev) of a hypothesis in a context is a probabilistic fact (§5.4).
+P::ev_holds(H, C) :- chance(H, C, P).
 alone(h1).
-0.9085365853658537::ok(h1, []).
-
 alone(h2).
-0.4347826086956522::ok(h2, []).
-0.5::ok(h2, [h1]).
-
 alone(h3).
-1.0::ok(h3, []).
-
 alone(h4).
-0.0::ok(h4, []).
 
 % ==== (4) Σc: constraints and definitions D1-D8, free of any object type
-% Predicates that may have no facts in this image.
-part_of(_, _) :- fail. feature_of(_, _, _) :- fail. hypothesis(_, _) :- fail.
-instance(_, _) :- fail. opaque_surface(_) :- fail. in_image(_, _) :- fail.
-in_lobe(_, _) :- fail. self_hidden(_, _) :- fail. behind_surface(_, _, _) :- fail.
-match(_, _, _) :- fail. preferred(_, _, _) :- fail. datum(_, _) :- fail.
-overlap(_, _) :- fail. rival_pair(_, _) :- fail. exclusive(_, _) :- fail.
-outline_relation(_, _, _) :- fail. outline_roc(_, _, _) :- fail. part_relation(_, _, _) :- fail.
-part_roc(_, _, _) :- fail. at(_, _, _, _) :- fail. distance(_, _) :- fail.
-body_middle(_, _, _, _) :- fail. body_nearest(_, _) :- fail. up_direction(_, _, _) :- fail.
-inside_image(_) :- fail. cut_by_image(_) :- fail. body_gap(_, _, _) :- fail.
-body_over(_, _) :- fail. stands_on(_, _) :- fail. stands_on_both(_, _, _) :- fail.
-weighs(_) :- fail. open_foot(_, _, _) :- fail. body_rests(_, _) :- fail.
-dv(_, _) :- fail. rank(_, _) :- fail. ev_given(_, _, _) :- fail.
-context(_, _) :- fail.
+% Of these there is nothing here.
+face(_, _) :- fail. object_part(_) :- fail. exclusive(_, _) :- fail. weighs(_) :- fail.
+open_foot(_, _, _) :- fail. body_rests(_, _) :- fail. said_roc(_, _, _, _) :- fail. said_relation(_, _, _, _) :- fail.
+stands(_) :- fail. pick(_, _) :- fail. luck(_, _) :- fail. joint(_, _, _) :- fail.
+
+% What is said of a hypothesis follows from its type (§2).
+feature_of(H, F, K) :- hypothesis(H, T), type_feature(T, F, K).
+part_of(X, Y) :- hypothesis(H, T), type_part(V, W), node_of(V, T, H, X), node_of(W, T, H, Y).
+node_of(T, T, H, H).
+node_of(T/P, T, H, H/P).
+opaque_surface(H) :- hypothesis(H, T), type_opaque(T).
+
+% §4.2: what bounds an object: its surface, the facets and faces of that, and the surfaces of its parts.
+bounds(S, H) :- hypothesis(H, _), S = surface(H).
+bounds(S, H) :- hypothesis(H, T), facet(T, Fs), S = facet(H, Fs).
+bounds(S, H) :- hypothesis(H, T), face(T, Fs), S = face(H, Fs).
+bounds(S, H) :- hypothesis(H, T), object_part(T/P), S = surface(H/P).
 
 % A3: proper parts; belongs(X, H): node X is of the tree of hypothesis H.
 proper_part(X, Y) :- part_of(X, Y).
@@ -152,14 +156,33 @@ all_behind(Y, X) :- behind_surface(Y, F, X), candidate(Y, F), X \= Y, \+ not_beh
 % D8: a feature is detected if the hypothesis' one matching gives it an appearance.
 found(H, F) :- match(H, F, _), in_image(H, F).
 
+% §5.4: ev from dv and the four cells.
+ev_in(H, C, V) :- cells(H, C, Rows), weighed(Rows, Good, Bad), Good + Bad > 0, V is (Good - Bad) / (Good + Bad).
+weighed([], 0.0, 0.0).
+weighed([row(F, A, C, B, D) | Rest], Good, Bad) :-
+  weight(F, V), weighed(Rest, G, N), Good is G + V * (A + B), Bad is N + V * (C + D).
+weight(F, V) :- dv(F, V).
+weight(own(V), V).
+
+% A context of H: those of its occluders that are present.
+context(H, C) :- occluders(H, Gs), those_present(Gs, C).
+those_present([], []).
+those_present([G | Gs], [G | C]) :- present(G), those_present(Gs, C).
+those_present([G | Gs], C) :- \+ present(G), those_present(Gs, C).
+
+% What is possible but very improbable stays possible for ProbLog.
+bounded(X, X) :- X =< 0.0.
+bounded(X, X) :- X >= 1.0.
+bounded(X, P) :- X > 0.0, X < 1.0, P is min(max(X, 1e-08), 1 - 1e-08).
+
+% P(ev), smoothed where the knowledge base's user asks for it.
+chance(H, C, P) :- ev_in(H, C, V), smoothing(E), Q is E + (1 - 2 * E) * (V + 1) / 2, bounded(Q, P).
+
 % A hypothesis counts only if at least one of its features is detected: a fully hidden phantom would have ev = +1.
 supported(H) :- match(H, F, _), found(H, F).
 
 % §8, score, mode drop: P(ev) for each set of accepted occluders that change a cell.
-present(H) :- alone(H), supported(H), context(H, C), ok(H, C).
-
-% Mutual occlusion: the hypotheses of a cyclic component are decided together.
-present(H) :- member_of(H, B), context(B, C), joint(B, C, S), includes(S, H).
+present(H) :- alone(H), supported(H), context(H, C), ev_holds(H, C).
 
 % A4: distinct maximal objects are discrete.
 violated(shares_volume(X, Y)) :- overlap(X, Y), present(X), present(Y).
@@ -210,7 +233,7 @@ caused(A) :- cause(A, _, _).
 behind(H/F, G) :- behind_surface(H, F, G), present(H), present(G).
 behind(H, G) :- hypothesis(H, _), hypothesis(G, _), all_behind(H, G), present(H), present(G).
 % hides_all_features(X, Y): opaque X hides every self-visible feature of Y, and there is one (D5, feature form).
-hides_all_features(X, Y) :- hypothesis(Y, _), opaque(X), behind(Y, X).
+hides_all_features(X, Y) :- hypothesis(Y, _), behind(Y, X), opaque(X).
 % roc(Relation, X, Y): the relation of X to Y is this one of ROC-20, by outlines and depth (§3.7); X and Y are hypotheses, of which exactly one holds, or parts that are objects.
 roc(R, X, Y) :- outline_roc(R, X, Y), present(X), present(Y).
 roc(R, X, Y) :- part_roc(R, X, Y), node(X), node(Y).
@@ -230,10 +253,20 @@ mutually_occludes(X, Y) :- part_relation(mutually_occludes, X, Y), node(X), node
 % non_occludes(X, Y): neither is in front of a part of the other.
 non_occludes(X, Y) :- outline_relation(non_occludes, X, Y), present(X), present(Y).
 non_occludes(X, Y) :- part_relation(non_occludes, X, Y), node(X), node(Y).
-% opaque(H): H's surface is opaque (A5, A6).
+% surface_of(S, X): S is the surface `surface(X)` of X, a present hypothesis or a part of it that is an object (§4.2).
+surface_of(S, X) :- bounds(S, H), present(H), S = surface(X).
+% surface_part(S, H): S is part of the surface of the present hypothesis H: `facet(H, Features)`, `face(H, Features)`, or the surface of a part.
+surface_part(S, H) :- bounds(S, H), S \= surface(H), present(H).
+% opaque(X): X is opaque: a hypothesis, its surface, or a part of either (A5, A6).
 opaque(H) :- opaque_surface(H).
+opaque(H/P) :- bounds(surface(H/P), H), opaque_surface(H).
+opaque(S) :- bounds(S, H), opaque_surface(H).
+% evidence_roc(Relation, X, Y): the relation of X to Y by what is detected of both, not by their poses, is this one of ROC-20 (§8, last paragraph); where one pose is withheld, roc is this.
+evidence_roc(R, X, Y) :- stands(S), said_roc(S, R, X, Y), present(X), present(Y).
+% evidence_relation(Relation, X, Y): the same, of the four coarse relations.
+evidence_relation(R, X, Y) :- stands(S), said_relation(S, R, X, Y), present(X), present(Y).
 % ev(H, V): V is the explanatory value of the present H, given which of its occluders are present (§5.4, §5.5).
-ev(H, V) :- hypothesis(H, _), present(H), context(H, C), ev_given(H, C, V).
+ev(H, V) :- hypothesis(H, _), present(H), context(H, C), ev_in(H, C, V).
 % left_of(X, Y): X's middle is further left than Y's, along the camera's x axis.
 left_of(X, Y) :- body_middle(X, A, _, _), body_middle(Y, B, _, _), A < B, present(X), present(Y).
 % right_of(X, Y): Y is left of X.
@@ -270,7 +303,7 @@ held(X) :- rests_on(X, _).
 floats(X) :- weighs(X), present(X), \+ held(X).
 
 % ---- The rules of the knowledge base's author
-tall(H) :- feature(H,f1,apex).
+tall(H) :- feature(H,'roof/apex',apex).
 
 % ==== (5) Evidence: no violated constraint
 evidence(\+ violated(shares_volume(h2, h3))).
