@@ -1,4 +1,4 @@
-"""Hand-modelled types whose data are places alone: one is searched for after another (``plogic.match.hand.generate``).
+"""Hand-modelled types whose data are places alone: all are searched for at once (``plogic.match.hand.generate``).
 
 * ``TypeIndex``: a type made ready: its view cells, its features' places and dv. A
   ``plogic.match.judged.type_models.TypeModel``

@@ -5,7 +5,7 @@ of the first gives two poses in closed form (``plogic.match.hand.place_votes``).
 are looked up by three appearance types, of all object types at once.
 
 * ``PlaceIndex``: the clouds of T types as padded arrays, and their triples
-* ``Triples``: E of them, sorted by key; a type has ``MOST`` at most, of 130 bytes each, 0.8 MB
+* ``Triples``: E of them, sorted by key; a type has ``MOST`` at most, of 104 bytes each, 0.6 MB
 """
 
 from collections.abc import Sequence

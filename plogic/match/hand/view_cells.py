@@ -1,12 +1,12 @@
-"""View cells, what one type looks like from each of a set of directions, and votes on poses that start from them.
+"""View cells, what one type looks like from each of a set of directions, and maps that poses are voted for by.
 
 A cell is a viewpoint direction in the object's frame, computed once a type. Features that are visible in one cell have
 lobes that contain one common viewpoint, so that sets taken inside a cell are co-visible by construction (*convergence*,
 §6.3). A vote says how many distinctive features of a coarse pose find an appearance of a right type near their place.
-Typed distance maps answer that for all pairs at once: one map for each set of appearance types that some feature has.
+Typed distance maps answer that for all poses at once: one map for each set of appearance types that some feature has.
 
 * ``view_cells(object_type)``: the cells of a type
-* ``pose_votes``: for whole poses, in true perspective; ``best_apart``: the best of them that are not alike
+* ``distance_maps``: how far each place of the image is from a datum of a right type
 """
 
 from collections.abc import Callable

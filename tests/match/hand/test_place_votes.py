@@ -55,6 +55,7 @@ def test_of_the_two_poses_of_a_far_triple_one_is_right(place, quaternion):
     index, kind = index_of(glass()), glass()
     data = seen(kind, pose)
     image = image_triples(index, data, 12)
+    assert len(image.key) <= 4
     for row in range(len(image.key)):
         entry = np.flatnonzero(index.triples.key == image.key[row])
         assert len(entry) == 1
