@@ -94,7 +94,8 @@ def evidence(document: Interpretation, names: Sequence[str], *, elsewhere: bool 
     targets = {name: target_of(document, name, _beside(document, name, names)) for name in names}
     if elsewhere:
         targets = {name: target.unreported for name, target in targets.items()}
-    found = {name: posterior(target) for name, target in targets.items()}
+    with np.errstate(divide="ignore", invalid="ignore", over="ignore"):  # a file may hold bodies without extent
+        found = {name: posterior(target) for name, target in targets.items()}
     pairs = [(name, one.body.id) for name, target in targets.items() for one in target.standers]
     if len(names) == 1:
         (name,) = names
