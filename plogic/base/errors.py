@@ -89,7 +89,7 @@ class NegativeCycleError(ProgramError):
 
 
 class OutsideError(ProgramError):
-    """A goal that speaks of choices which a scene's graph has summed out (hits, picks, a rule's own).
+    """A goal, or a rule, that speaks of what a scene's graph does not have: hits, picks, proofs, the program itself.
 
     Only the program has them.
     """

@@ -6,7 +6,7 @@ import pytest
 from situations import feature, hypothesis, situation, towers
 from stock_worlds import assert_same_worlds
 
-from plogic.base.errors import InconsistentError, NegativeCycleError, OutsideError
+from plogic.base.errors import InconsistentError, NegativeCycleError, OutsideError, ProgramError
 from plogic.facts.spatial import Space
 from plogic.logic.served.engine import Text, through
 from plogic.logic.served.program_child import serve
@@ -190,3 +190,9 @@ def test_a_scene_without_observations_has_the_same_graph():
     plain, ruled = towers("posterior"), towers("posterior", rules="tall(H) :- present(H). 0.2::wet.")
     assert ranked_worlds(plain) == ranked_worlds(ruled)
     assert program_text(ruled).startswith(program_text(plain).split("% ==== (5)")[0].rstrip())
+
+
+def test_a_probability_that_the_scene_makes_wrong_is_told_where_it_was_written():
+    subject = pair(rules="\nP::odd(X) :- distance(X, D), P is D * 3, present(X).\nconstraint(odd) :- odd(_).")
+    with pytest.raises(ProgramError, match=r"rules\.pl:2:\d+: 15\.0 is not a probability: it must be from 0 to 1"):
+        ranked_worlds(subject)

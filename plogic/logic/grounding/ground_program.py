@@ -246,7 +246,8 @@ def _alternative(members: list[tuple[int, Choice]]) -> Alternative:
 
 def share_of(label: Any, head: Any = None) -> float:  # noqa: ANN401 - terms of ProbLog's
     """The label of a head as a probability; what ProbLog accepts around 0 and 1 is rounded to them."""
-    location = getattr(label, "location", None) or getattr(head, "location", None)
+    own, location = getattr(label, "location", None), getattr(head, "location", None)
+    location = own if own and (not location or own[0] == location[0]) else location  # a fact of another file is right
     try:
         value = float(label)
     except (ProbLogError, ArithmeticError, TypeError, ValueError):
