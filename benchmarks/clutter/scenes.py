@@ -7,6 +7,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from itertools import count
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -36,6 +37,8 @@ PIXELS = 100.0, 300.0
 lobes do (``HALF_ANGLE``)."""
 MARGIN = 10.0
 """Pixels between the object's picture and the image's border: noise leads nothing out of it."""
+TRIES = 300
+"""Places that are tried for one rotation and size."""
 ROUNDS = 12
 """Steps in which the distance is found that makes a picture so large."""
 
@@ -104,11 +107,14 @@ def random_pose(kind: ObjectType, rng: np.random.Generator) -> Floats:
     """camera_from_object (4, 4): any rotation, any size of ``PIXELS``, wholly in the image."""
     surface = surface_of(kind)
     R, pixels = rotation_from_quat_xyzw(rng.normal(size=4)), rng.uniform(*PIXELS)
-    while True:
+    for tried in count(1):
+        if tried % TRIES == 0:  # a rod that points at the camera never has so large a picture
+            R, pixels = rotation_from_quat_xyzw(rng.normal(size=4)), rng.uniform(*PIXELS)
         pose = _at_size(surface, R, CAMERA.rays(_anywhere(1, rng)[0]), pixels)
         low, high = picture(surface, pose)
         if (low >= MARGIN).all() and (high <= [CAMERA.width - 1 - MARGIN, CAMERA.height - 1 - MARGIN]).all():
             return pose
+    raise AssertionError
 
 
 def _at_size(surface: Surface, R: Floats, ray: Floats, pixels: float) -> Floats:
