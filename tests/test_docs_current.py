@@ -18,7 +18,7 @@ from plogic.cycle.judging import FEWEST
 from plogic.cycle.state import MOST_RIVALS
 from plogic.facts.dependence import LARGEST_BLOCK, MOST_OCCLUDERS
 from plogic.facts.vocabulary import VOCABULARY
-from plogic.match.hand.correspondences import MOST_PAIRS
+from plogic.match.hand.links import MOST_PAIRS
 from plogic.match.hand.view_cells import CELLS
 from plogic.match.judged.evidence import FIXED_BY
 from plogic.match.judged.rivals import SAME_PLACE, SAME_ROTATION, SHARED_CLAIMS, SHARED_VOLUME

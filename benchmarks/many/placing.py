@@ -48,12 +48,17 @@ class Placed:
     depth: Floats
 
 
-def placed(kb: KnowledgeBase, rng: np.random.Generator, number: tuple[int, int] = OBJECTS) -> list[Placed]:
-    """So many objects, by least and most, of types drawn alike, several of one type among them by chance."""
+def placed(
+    kb: KnowledgeBase, rng: np.random.Generator, number: tuple[int, int] = OBJECTS, aimed: float = AIMED
+) -> list[Placed]:
+    """So many objects, by least and most, of types drawn alike, several of one type among them by chance.
+
+    ``aimed``: the share that is placed so that one more is half hidden.
+    """
     objects: list[Placed] = []
     for _ in range(int(rng.integers(*number, endpoint=True))):
         kind = kb.types[int(rng.integers(len(kb.types)))]
-        found = _another(kind, objects, rng, aimed=bool(objects) and bool(rng.random() < AIMED))
+        found = _another(kind, objects, rng, aimed=bool(objects) and bool(rng.random() < aimed))
         objects += [] if found is None else [found]
     return objects
 

@@ -150,7 +150,7 @@ class Situation:
     relations: tuple[PairFact, ...] = ()
     space: Space = field(default_factory=Space)
     part_relations: tuple[PairFact, ...] = ()
-    types: dict[str, TypeFact] = field(default_factory=dict)
+    types: dict[str, TypeFact] = field(default_factory=dict, compare=False)
     evidence: tuple[EvidenceFact, ...] = ()
     gravity: Gravity | None = None
     priors: dict[str, float] = field(default_factory=dict)

@@ -6,7 +6,6 @@ Whatever the number of its parts.
 from __future__ import annotations
 
 import json
-import re
 from dataclasses import replace
 
 import numpy as np
@@ -165,16 +164,16 @@ def test_the_program_knows_the_parts_of_compounds_and_reads_back_the_same(docume
     ]
     compounds = [part for part in situation.hypotheses[0].parts if part.kind == "feature"]
     text = program_text(situation)
-    atoms = {label: atom for atom, label in re.findall(r'^% +(\w+) = "(.*)"$', text, re.MULTILINE)}
+    kind = situation.hypotheses[0].type
     told_parts = [f for f in situation.hypotheses[0].features if f.stands_for == 0]
     assert {part.id for part in compounds} >= {f.id.rpartition("/")[0] for f in told_parts}
     for compound in compounds:
-        assert f"part_of(h1/{compound.id}, h1)." in text
-        assert f"feature_of(h1, {compound.id}, " in text
+        assert f"type_part({kind}/{compound.id}, {kind})." in text
+        assert f"type_feature({kind}, {compound.id}, " in text
         assert f"::pick(h1, {compound.id})" in text
     for f in told_parts:
-        assert f"part_of(h1/{atoms[f.id]}, h1/{f.id.rpartition('/')[0]})." in text
-        assert f"::pick(h1, {atoms[f.id]})" not in text
+        assert f"type_part({kind}/'{f.id}', {kind}/{f.id.rpartition('/')[0]})." in text
+        assert f"::pick(h1, '{f.id}')" not in text
 
 
 @pytest.mark.parametrize(("reading", "reconsider"), WAYS)

@@ -39,11 +39,6 @@ def written(parts, options):
     return delta, ranking, json.loads(text_of(document))
 
 
-def decisive(document):
-    """The situation of a document without what it carries of types, which decides no probability."""
-    return replace(situation_of(document), types={})
-
-
 ASKED = Asking()
 ALL = [
     Options(reading=r, reconsider=m, smoothing=s)
@@ -56,7 +51,7 @@ ALL = [
 @pytest.mark.parametrize("options", ALL, ids=lambda o: f"{o.reading}-{o.reconsider}-{o.smoothing}")
 def test_the_situation_comes_back_whole(parts, options):
     delta, ranking, document = written(parts, options)
-    back = decisive(document)
+    back = situation_of(document)
     assert back == delta.situation
     assert ranked_worlds(back, 100) == ranking
 
@@ -76,7 +71,7 @@ def test_the_rejected_are_told_and_decide_nothing(parts):
     assert rejected
     assert all(h["probability"] == 0.0 and h["why"] for h in rejected)
     without = {**document, "hypotheses": [h for h in document["hypotheses"] if h["status"] != "rejected"]}
-    assert decisive(without) == delta.situation
+    assert situation_of(without) == delta.situation
 
 
 def test_cases_are_those_of_the_accepted_world(parts):
@@ -138,7 +133,7 @@ def test_a_file_is_read_back(parts, tmp_path):
     delta, _, document = written(parts, Options())
     path = tmp_path / "interpretation.json"
     path.write_text(text_of(document), encoding="utf-8")
-    assert decisive(read_interpretation(path)) == delta.situation
+    assert situation_of(read_interpretation(path)) == delta.situation
 
 
 def test_how_types_are_seen_is_read_back_as_they_are_described(parts):

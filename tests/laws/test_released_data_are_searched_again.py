@@ -25,9 +25,9 @@ def test_the_data_of_one_that_had_to_go_are_searched_again(monkeypatch, seed):
     stronger, weaker = sorted(both, key=lambda belief: -belief.worth)
     searched, generate, moved_apart = [], hand_models.generate, choosing.moved_apart
 
-    def looked_at(index, left, kb, covered, *, check):
+    def looked_at(index, left, *others, **options):
         searched.append(set(left.ids))
-        return generate(index, left, kb, covered, check=check)
+        return generate(index, left, *others, **options)
 
     def never_apart(posed, information, through=()):
         return moved_apart(posed, information)[0], [(0, 1)] if len(posed) > 1 else []

@@ -5,7 +5,7 @@ from situations import feature, hypothesis, situation, towers
 
 from geometry.visibility.roc import ROC20
 from plogic.facts.situation import PairFact, pair_facts
-from plogic.scene.worlds.predictions import doubts, said
+from plogic.scene.worlds.predictions import Doubt, doubts, said, weighed
 
 MODES = ("to_B", "drop", "reassign")
 
@@ -94,3 +94,12 @@ def test_a_coarse_relation_of_an_older_document_is_checked_too():
         [hypothesis("h1", SEEN), hypothesis("h2", FOUND_BEHIND)], relations=(PairFact("totally_occludes", "h1", "h2"),)
     )
     assert len(doubts(old)) == 1
+
+
+def test_a_doubt_says_what_evidence_gives_its_relation():
+    doubt = Doubt("totally_occludes", ("h1", "h2"), "none", "2 detected", "they should be hidden")
+    row = {**doubt.document(), "evidence": 0.031}
+    assert Doubt.of(row).document() == row
+    (told,) = weighed([doubt], {"doubts": [row]})
+    assert said(told) == f"{said(doubt)}; what is detected of both gives it 0.031"
+    assert weighed([doubt], {}) == [doubt]

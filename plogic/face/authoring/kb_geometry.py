@@ -55,11 +55,12 @@ def _row(kind: ObjectType, dv: dict[str, float]) -> dict[str, Any]:
 
 def _parts(kind: ObjectType) -> Iterator[dict[str, Any]]:
     """Objects and features below the whole, compounds' members too; appearances are no parts (A3)."""
-    tree = kind.tree.subgraph(node for node, row in kind.tree.nodes(data=True) if row["kind"] != "appearance")
-    below = {node: nx.descendants(tree, node) for node in tree}
-    some = [node for node in tree if node and (tree.nodes[node]["kind"] == "object" or below[node])]
+    nodes = [node for node, row in kind.tree.nodes(data=True) if row["kind"] != "appearance"]
+    tree = kind.tree.subgraph(nodes)
+    below = {node: nx.descendants(tree, node) for node in nodes}
+    some = [node for node in nodes if node and (tree.nodes[node]["kind"] == "object" or below[node])]
     for node in some:
-        above = [other for other in tree if node in below[other]]
+        above = [other for other in nodes if node in below[other]]
         apart = [other for other in some if other != node and other not in above and other not in below[node]]
         number = sum(tree.nodes[other]["kind"] == "feature" for other in below[node])
         yield {"part": node, "proper_part_of": above, "discrete_from": apart, "features": number}

@@ -1,1 +1,1 @@
-"""Hand-modelled types, by places alone: pairs in view cells, votes, sets of four, POSIT."""
+"""Hand-modelled types, by places alone: triples of all types in one index, links of junctions, votes, refinement."""

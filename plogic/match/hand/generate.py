@@ -1,25 +1,21 @@
-"""Hypotheses of a type from Γ (§6.3, §7).
-
-Pairs in view cells, votes, sets of four, POSIT, refinement, and only then rays.
-"""
+"""Hypotheses of all types from Γ (§6.3, §7): triples, votes, refinement, and only then rays."""
 
 from __future__ import annotations
 
-from dataclasses import replace
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
 from geometry.poses.refine import refined_poses
 from plogic.base.clock import unhurried
 from plogic.match.gamma.data import Data, project_ideal
-from plogic.match.hand.correspondences import Pairs, linked_pairs, open_pairs, votes
-from plogic.match.hand.extend import Candidates, coarse_poses, extend, firsts
-from plogic.match.hand.triples import image_triples, triple_poses
-from plogic.match.hand.view_cells import DistanceMaps, best_apart, distance_maps, pose_votes
+from plogic.match.hand.extend import Candidates, extend, firsts
+from plogic.match.hand.links import linked_poses
+from plogic.match.hand.place_votes import Coarse, coarse_poses, pose_votes
+from plogic.match.hand.view_cells import DistanceMaps, distance_maps
 from plogic.match.judged.evidence import evidence
-from plogic.match.judged.expectation import matched, pose_of
-from plogic.match.judged.rivals import distinct, distinct_poses
+from plogic.match.judged.expectation import FEWEST, matched, pose_of
+from plogic.match.judged.rivals import apart, distinct, same_place
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -28,162 +24,150 @@ if TYPE_CHECKING:
     from kb.clouds.cloud import KnowledgeBase
     from plogic.facts.hypothesis import Hypothesis
     from plogic.match.hand.hand_models import TypeIndex
+    from plogic.match.hand.place_index import PlaceIndex
+    from plogic.match.judged.type_models import Found
 
-VOTED = 2000
-"""Coarse poses of each kind that all features vote on: the best by the votes of the anchors."""
-REFINED = 110
-"""Coarse poses that are refined, the best by votes and no two alike."""
+LINKED = 2000
+"""Coarse poses of links of a type that all features vote on: the best by the votes of its anchors."""
+
+
+class Width(NamedTuple):
+    """How many poses go on: of triples, those of most ``votes`` of some features; of these, no two alike, ``refined``.
+
+    Of these, with rays cast, ``verified``.
+    """
+
+    votes: int
+    refined: int
+    verified: int
+
+
+def usual(types: int) -> Width:
+    """Of so many types."""
+    return Width(3500 + 90 * types, 150 + 6 * types, 22 + types)
+
+
+ALIKE = float(np.radians(12.0)), 0.08
+"""Two coarse poses of a type are alike that differ by less, radians, and share of the distance."""
 ROBUST = 0.25
 """Pixels beyond which a match weighs less in the last refinement: a wrong match within the tolerance must not pull the
 pose."""
-VERIFIED = 12
-"""Refined poses that rays are cast for."""
 
 
 def generate(
-    index: TypeIndex,
+    index: PlaceIndex,
     data: Data,
     kb: KnowledgeBase,
     covered: Mask | None = None,
     *,
-    refined: int = REFINED,
-    verified: int = VERIFIED,
+    coarse: Coarse | None = None,
+    width: Width | None = None,
     check: Callable[[], None] = unhurried,
-) -> list[tuple[float, Hypothesis]]:
-    """The best distinct poses of one type as (log-likelihood ratio against clutter, hypothesis), best first.
+) -> dict[str, Found]:
+    """The best distinct poses of all types, by type, as (log-likelihood ratio against clutter, hypothesis), best first.
 
-    ``covered`` (H, W): where accepted opaque objects stand in the ideal image. ``refined``, ``verified``: how many
-    poses go that far. ``check`` is called between stages, and between blocks of what grows with Γ, and may raise to end
-    the search.
+    ``covered`` (H, W): where accepted opaque objects stand in the ideal image. ``coarse``: poses of triples of more
+    data, these among them. ``width``: how many poses go on, by default as is usual. ``check`` is called between stages,
+    and between blocks of what grows with Γ, and may raise to end the search.
     """
     check()
+    result: dict[str, Found] = {each.object_type.name: [] for each in index.indices}
     allowed = index.allowed(data)
-    if len(data.ids) < 4 or len(index.points) < 4 or not allowed.any():
-        return []
+    if len(data.ids) < FEWEST or not allowed.any():
+        return result
     maps = distance_maps(allowed, data, covered, check)
-    poses = np.concatenate(
-        [_from_pairs(index, allowed, maps, data, check), _from_triples(index, allowed, maps, data, check)]
+    width = width or usual(len(index.indices))
+    start = _apart(
+        index, data, maps, coarse or coarse_poses(index, data, maps, width.votes, check), width.refined, check
     )
     check()
-    if not len(poses):
-        return []
-    worth = pose_votes(poses, index.cells, index.points, index.weights, maps, data)
+    found = extend(index, start, maps, data, kb.rates.match_tolerance)
     check()
-    kept = poses[best_apart(worth, poses, index.cells, data, refined)]
-    found = extend(kept, index.cells, index.points, index.weights, maps, data, kb.rates.match_tolerance)
+    scored: dict[str, Found] = {name: [] for name in result}
+    for posed, hidden in _verified(found, index, maps, data, kb, width.verified, check):
+        check()
+        scored[posed.type].append((evidence(posed, data, kb, hidden).ratio, posed))
+    return result | {kind: distinct(some, some[0][1].object_type) for kind, some in scored.items() if some}
+
+
+def of_triples(index: PlaceIndex, data: Data, check: Callable[[], None] = unhurried) -> Coarse:
+    """The coarse poses of all types that triples of the data vote for."""
+    maps = distance_maps(index.allowed(data), data, None, check)
+    return coarse_poses(index, data, maps, usual(len(index.indices)).votes, check)
+
+
+def _apart(
+    index: PlaceIndex, data: Data, maps: DistanceMaps, triples: Coarse, most: int, check: Callable[[], None]
+) -> Candidates:
+    """The best coarse poses of all types, no two alike: of triples, and of links where junctions have arms."""
+    kinds, linked = linked_poses(index, data, maps, LINKED, check)
+    kind, poses = np.concatenate([triples.kind, kinds]), np.concatenate([triples.poses.astype(float), linked])
     check()
-    return _verified(found, index, allowed, maps, data, kb, verified, check)
-
-
-def _from_pairs(index: TypeIndex, allowed: Mask, maps: DistanceMaps, data: Data, check: Callable[[], None]) -> Floats:
-    """(N, 4, 4) the poses of those pairs that the anchors vote for most."""
-    coarse = _pairs(index, allowed, maps, data, check)
-    check()
-    worth = votes(coarse, index.cells, maps, index.weights, data, index.anchors)
-    return coarse_poses(coarse.take(np.sort(np.argsort(-worth, kind="stable")[:VOTED])), index.cells, data)
-
-
-def _from_triples(index: TypeIndex, allowed: Mask, maps: DistanceMaps, data: Data, check: Callable[[], None]) -> Floats:
-    """(N, 4, 4) the poses of those triples that the anchors and some of the other features vote for most."""
-    members = np.flatnonzero(allowed[index.triples.features.ravel()].any(axis=0))
-    if len(members) < 3:
-        return np.zeros((0, 4, 4))
-    poses = triple_poses(
-        index.triples, image_triples(data, members, check), index.points, _scales(index, data), data.camera.f
-    )
-    check()
-    others = np.setdiff1d(np.arange(len(index.points)), index.anchors)[::4]
-    worth = pose_votes(
-        poses, index.cells, index.points, index.weights, maps, data, np.concatenate([index.anchors, others])
-    )
-    return poses[np.sort(np.argsort(-worth, kind="stable")[:VOTED])]
-
-
-def _pairs(index: TypeIndex, allowed: Mask, maps: DistanceMaps, data: Data, check: Callable[[], None]) -> Pairs:
-    """Pairs by the junctions' arms where the detector gave arms, by places alone where it gave none."""
-    anchored = np.asarray(allowed[index.anchors].any(axis=0))
-    some, columns = data.only(anchored), np.flatnonzero(anchored)
-    edged = index.cells.arms.shape[2] > 0 and bool(np.isfinite(some.arms).any()) and len(index.links) > 0
-    own = allowed[:, columns], some, _scales(index, data)
-    found = (
-        linked_pairs(index.cells, index.links, *own, check)
-        if edged
-        else open_pairs(index.cells, index.anchors, *own, maps, check)
-    )
-    return replace(found, datum=columns[found.datum], other_datum=columns[found.other_datum])
-
-
-def _scales(index: TypeIndex, data: Data) -> tuple[float, float]:
-    """Plausible pixels a metre: the object from 12 pixels to twice the image's height."""
-    return 12.0 / index.cells.diameter, 2.0 * data.camera.height / index.cells.diameter
+    worth = pose_votes(index, data, maps, kind, poses).astype(float)
+    middles = np.einsum("nij,nj->ni", poses[:, :3, :3], index.centres[kind]) + poses[:, :3, 3]
+    some = apart(poses, middles, worth, most, ALIKE, kind)
+    return Candidates(kind[some], poses[some], np.zeros((len(some), 0), np.intp), worth[some])
 
 
 def _verified(
     found: Candidates,
-    index: TypeIndex,
-    allowed: Mask,
+    index: PlaceIndex,
     maps: DistanceMaps,
     data: Data,
     kb: KnowledgeBase,
     most: int,
     check: Callable[[], None],
-) -> list[tuple[float, Hypothesis]]:
-    """Cast rays for the best refined poses, match, polish once, and keep one of each heap of near-duplicates."""
-    fitted = (
-        pose for pose in found.camera_from_object[found.fitted] if _plausible(pose, index)
-    )  # they come best first
-    first = []
-    for pose in distinct_poses(index.object_type, fitted, most):
-        check()
-        first.append(_matched_at(index, pose, allowed, maps, data, kb))
-    scored = []
-    for posed, hidden in _polished(index, first, allowed, maps, data, kb, check):
-        check()
-        scored.append((evidence(posed, data, kb, hidden).ratio, posed))
-    return distinct(scored, index.object_type)
-
-
-def _matched_at(
-    index: TypeIndex,
-    pose: Floats,
-    allowed: Mask,
-    maps: DistanceMaps,
-    data: Data,
-    kb: KnowledgeBase,
-) -> tuple[Hypothesis, Mask]:
-    """The hypothesis at a pose, matched, and its features (F,) that accepted objects cover."""
-    posed = pose_of(index.object_type, pose, data, kb)
-    hidden = maps.is_covered(project_ideal(pose[None], index.points, data)[0])
-    return matched(posed, data, allowed, kb.rates.match_tolerance, hidden=hidden), hidden
-
-
-def _polished(
-    index: TypeIndex,
-    found: list[tuple[Hypothesis, Mask]],
-    allowed: Mask,
-    maps: DistanceMaps,
-    data: Data,
-    kb: KnowledgeBase,
-    check: Callable[[], None],
 ) -> list[tuple[Hypothesis, Mask]]:
-    """All refined in one batch and matched again; those with fewer than four expected features detected are dropped."""
-    used = np.array([p.expected(hidden) & p.detected for p, hidden in found]).reshape(len(found), len(index.points))
-    some = np.flatnonzero(used.sum(axis=1) >= 4)
+    """Cast rays for the best refined poses, match, and polish them in one batch; each with its covered features (F,).
+
+    Those with fewer than four expected features detected are dropped.
+    """
+    allowed = [each.allowed(data) for each in index.indices]
+
+    def at(kind: int, pose: Floats) -> tuple[Hypothesis, Mask]:
+        check()
+        each = index.indices[kind]
+        posed = pose_of(each.object_type, pose, data, kb)
+        hidden = maps.is_covered(project_ideal(pose[None], each.points, data)[0])
+        return matched(posed, data, allowed[kind], kb.rates.match_tolerance, hidden=hidden), hidden
+
+    best = _distinct(found, index, most)
+    kinds = found.kind[best].tolist()
+    first = [at(kind, pose) for kind, pose in zip(kinds, found.poses[best], strict=True)]
+    used, matches = (
+        np.zeros((len(first), index.own.shape[1]), bool),
+        np.zeros((len(first), index.own.shape[1]), np.intp),
+    )
+    precision = np.zeros(used.shape)
+    for row, (kind, (posed, hidden)) in enumerate(zip(kinds, first, strict=True)):
+        count = len(posed.matches)
+        used[row, :count], matches[row, :count] = posed.expected(hidden) & posed.detected, np.maximum(posed.matches, 0)
+        precision[row, :count] = index.indices[kind].precision(kb.rates)
+    some = np.flatnonzero(used.sum(axis=1) >= FEWEST)
     if not len(some):
         return []
-    poses = np.array([found[i][0].camera_from_object for i in some])
-    first, matches = firsts(used[some]), np.array([np.maximum(found[i][0].matches, 0) for i in some])
-    weights = np.take_along_axis(used[some] * index.precision(kb.rates), first, axis=1)
-    uv = data.uv[np.take_along_axis(matches, first, axis=1)]
-    better = refined_poses(poses, index.points[first], uv, weights, data.camera, huber=ROBUST)
-    again = []
-    for pose in better:
-        check()
-        again.append(_matched_at(index, pose, allowed, maps, data, kb))
-    return again
+    kind, column = np.array(kinds)[some], firsts(used[some])
+    weights = np.take_along_axis(used[some] * precision[some], column, axis=1)
+    uv = data.uv[np.take_along_axis(matches[some], column, axis=1)]
+    poses = np.array([first[i][0].camera_from_object for i in some])
+    better = refined_poses(poses, index.points[kind[:, None], column], uv, weights, data.camera, huber=ROBUST)
+    return [at(k, pose) for k, pose in zip(kind.tolist(), better, strict=True)]
+
+
+def _distinct(found: Candidates, index: PlaceIndex, most: int) -> list[int]:
+    """The first candidates that are plausible and not at one place, up to symmetry."""
+    chosen: list[int] = []
+    for i in np.flatnonzero(np.isfinite(found.worth)).tolist():
+        if len(chosen) == most:
+            break
+        each, pose = index.indices[found.kind[i]], found.poses[i]
+        alike = (found.poses[j] for j in chosen if found.kind[j] == found.kind[i])
+        if _plausible(pose, each) and not any(same_place(each.object_type, pose, old) for old in alike):
+            chosen.append(i)
+    return chosen
 
 
 def _plausible(pose: Floats, index: TypeIndex) -> bool:
     """Finite and wholly in front of the camera."""
-    centre = pose[:3, :3] @ index.cells.centre + pose[:3, 3]
+    centre = pose[:3, :3] @ index.centre + pose[:3, 3]
     return bool(np.isfinite(pose).all() and centre[2] > 0.5 * index.cells.diameter)

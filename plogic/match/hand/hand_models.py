@@ -1,4 +1,4 @@
-"""Hand-modelled types whose data are places alone: one is searched for after another (``plogic.match.hand.generate``).
+"""Hand-modelled types whose data are places alone: all are searched for at once (``plogic.match.hand.generate``).
 
 * ``TypeIndex``: a type made ready: its view cells, its features' places and dv. A
   ``plogic.match.judged.type_models.TypeModel``
@@ -6,7 +6,7 @@
 """
 
 from collections import Counter
-from collections.abc import Callable, Generator, Iterable, Mapping, Sequence
+from collections.abc import Generator, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from math import log
@@ -20,46 +20,20 @@ from geometry.bodies.resting import RestingFaces, resting_faces
 from kb.clouds.cloud import KnowledgeBase, ObjectType, Rates
 from plogic.facts.hypothesis import Hypothesis
 from plogic.match.gamma.data import Data, project_ideal
-from plogic.match.hand.correspondences import MOST_PAIRS, feature_links
-from plogic.match.hand.generate import ROBUST, generate
-from plogic.match.hand.triples import PlaneTriples, plane_triples
+from plogic.match.hand.generate import ROBUST, Width, generate, of_triples
+from plogic.match.hand.links import MOST_PAIRS, feature_links
+from plogic.match.hand.place_index import PlaceIndex, permutations, place_index, unique_sets
+from plogic.match.hand.place_votes import Coarse
 from plogic.match.hand.view_cells import ViewCells, view_cells
 from plogic.match.judged.evidence import sigmas_of
 from plogic.match.judged.expectation import matched, polished, pose_of, settled
 from plogic.match.judged.type_models import SURE, Found, Given, Ranks, Request, Search, Setup, TypeModels
 from plogic.measures.distinctiveness import compatible, rank
 
-SAME = 1e-3
-"""Metres, per metre of the cloud's extent, within which a feature is carried onto another."""
-
-
-def permutations(points: Floats, symmetries: Floats) -> Indices:
-    """(S, F) where each symmetry (S, 4, 4) carries each feature (F, 3).
-
-    A symmetry that carries one onto none is left out.
-    """
-    extent = float(np.ptp(points, axis=0).max()) if len(points) else 1.0
-    rows = []
-    for motion in symmetries:
-        gap = np.linalg.norm((points @ motion[:3, :3].T + motion[:3, 3])[:, None] - points[None], axis=2)
-        if (gap.min(axis=1, initial=np.inf) < SAME * extent).all():
-            rows.append(gap.argmin(axis=1))
-    return np.array(rows, dtype=np.intp).reshape(-1, len(points))
-
-
-def unique_sets(rows: Indices, moves: Indices) -> Mask:
-    """(N,) one of each family of rows (N, k) of feature indices that the permutations (S, F) carry onto each other.
-
-    The least.
-    """
-    if not len(rows):
-        return np.zeros(0, dtype=bool)
-    base = moves.shape[1] ** np.arange(rows.shape[1])[::-1]
-    return np.asarray((moves[:, rows] @ base).min(axis=0) == rows @ base)
-
-
 CELLS_TRIED = 24
 """View cells whose rank is taken for the tie-break of attention, about: every so many-th of them."""
+EVERY = 8_000
+"""Coarse poses that all features vote on where none is left out to save time."""
 ANCHORS = 16
 """Features that seeds and pairs are made of: the most distinctive ones."""
 
@@ -89,12 +63,6 @@ class TypeIndex:
     def resting(self) -> RestingFaces:
         """None: how a hand-modelled type stands is not asked."""
         return resting_faces(np.zeros((0, 3)))
-
-    @cached_property
-    def triples(self) -> PlaneTriples:
-        """Triples of neighbours on planes."""
-        found = plane_triples(self.object_type.seen_features)
-        return found.take(unique_sets(found.features, permutations(self.points, self.object_type.symmetries)))
 
     @cached_property
     def turns(self) -> Floats:
@@ -155,7 +123,7 @@ class TypeIndex:
 
     def proposals(self, data: Data, kb: KnowledgeBase, most: int) -> Found:
         """The hypotheses that the whole of Γ suggests, at most ``most`` of them refined."""
-        return generate(self, data, kb, refined=most, verified=most)
+        return generate(place_index([self]), data, kb, width=Width(EVERY, most, most))[self.object_type.name]
 
     def settle(
         self,
@@ -245,26 +213,49 @@ class HandModels(TypeModels):
         """Make some types ready; nothing is kept in a folder."""
         return cls({kind.name: type_index(kind, setup.dv) for kind in setup.types})
 
+    @cached_property
+    def places(self) -> PlaceIndex:
+        """The index over all types."""
+        return place_index(list(self.models.values()))
+
     def search(self, request: Request) -> Search:
-        """The search in one Γ, by this process alone: to copy it takes as long as to find a type."""
-        return HandSearch(self.models, request.kb, request.check)
+        """The search for all types at once in one Γ, by this process alone: to copy it takes as long as to search."""
+        return HandSearch(self.places, request)
+
+    def make_ready(self) -> None:
+        """Compute the index now."""
+        self.places.make_ready()
 
 
-@dataclass(frozen=True, eq=False)
+FEWER = 0.7
+"""Where not all pairs of triples could be looked at, they are again when so small a share of the data is left."""
+
+
+@dataclass(eq=False)
 class HandSearch(Search):
-    """The search for one type after another in what is left of Γ."""
+    """The search for all types at once in what is left of Γ.
 
-    models: Mapping[str, TypeIndex]
-    kb: KnowledgeBase
-    check: Callable[[], None]
+    ``coarse``: the poses that triples of more data vote for; what was claimed later votes for none any more.
+    """
+
+    places: PlaceIndex
+    request: Request
+    coarse: Coarse | None = None
 
     def propose(self, names: Sequence[str], left: Data, given: Given) -> Generator[Found]:
         """The hypotheses of each type, settled; what accepted objects cover is not missed."""
-        covered = covered_by(given.accepted, left) if names else None
+        found = self._found(left, given) if names else {}
         for name in names:
-            found = generate(self.models[name], left, self.kb, covered, check=self.check)
-            given.seen(found)
-            yield found
+            given.seen(found[name])
+            yield found[name]
+
+    def _found(self, left: Data, given: Given) -> dict[str, Found]:
+        kb, check = self.request.kb, self.request.check
+        if self.coarse is None or len(left.ids) > self.coarse.among:
+            self.coarse = of_triples(self.places, self.request.data, check)
+        elif not self.coarse.whole and len(left.ids) < FEWER * self.coarse.among:
+            self.coarse = of_triples(self.places, left, check)
+        return generate(self.places, left, kb, covered_by(given.accepted, left), coarse=self.coarse, check=check)
 
 
 def covered_by(posed: Iterable[Hypothesis], data: Data) -> Mask:

@@ -1,12 +1,12 @@
-"""View cells, what one type looks like from each of a set of directions, and votes on poses that start from them.
+"""View cells, what one type looks like from each of a set of directions, and maps that poses are voted for by.
 
 A cell is a viewpoint direction in the object's frame, computed once a type. Features that are visible in one cell have
 lobes that contain one common viewpoint, so that sets taken inside a cell are co-visible by construction (*convergence*,
 §6.3). A vote says how many distinctive features of a coarse pose find an appearance of a right type near their place.
-Typed distance maps answer that for all pairs at once: one map for each set of appearance types that some feature has.
+Typed distance maps answer that for all poses at once: one map for each set of appearance types that some feature has.
 
 * ``view_cells(object_type)``: the cells of a type
-* ``pose_votes``: for whole poses, in true perspective; ``best_apart``: the best of them that are not alike
+* ``distance_maps``: how far each place of the image is from a datum of a right type
 """
 
 from collections.abc import Callable
@@ -22,7 +22,7 @@ from geometry.arrays import Floats, Indices, Mask
 from kb.clouds.cloud import ObjectType
 from kb.clouds.lobes import feature_in_lobe
 from plogic.base.clock import unhurried
-from plogic.match.gamma.data import Data, project_ideal, viewpoints_of
+from plogic.match.gamma.data import Data
 
 CELLS = 162
 """Directions on the sphere: neighbours are about 15° apart, so that a true viewpoint is mostly within 9° of a cell
@@ -142,29 +142,29 @@ LOOSE = 0.10
 class DistanceMaps:
     """For each map, the distance in pixels to the nearest datum (H, W) and that datum's index (H, W).
 
-    ``of_feature`` (F,) picks the map.
+    ``of_set`` (S,) picks the map of each set of looks.
 
     ``covered`` (H, W): where an accepted opaque object stands, so that a feature there may well be hidden.
     """
 
     distance: NDArray[np.float32]
     nearest: NDArray[np.int32]
-    of_feature: Indices
+    of_set: Indices
     covered: Mask
 
-    def look_up(self, places: NDArray[Any]) -> tuple[NDArray[Any], Indices]:
+    def look_up(self, places: NDArray[Any], sets: Indices) -> tuple[NDArray[Any], Indices]:
         """Distance (..., F) and nearest datum (..., F) of ``places`` (..., F, 2) in ideal pixels.
 
-        Outside the image, infinity and −1.
+        ``sets`` (..., F): as what they look. Outside the image, infinity and −1.
         """
         pixel, inside = _pixel(places, self.covered.shape)
-        index = pixel + self.of_feature * self.covered.size  # all maps are one after the other
+        index = pixel + self.of_set[sets] * self.covered.size  # all maps are one after the other
         return np.where(inside, self.distance.ravel()[index], np.inf), np.where(inside, self.nearest.ravel()[index], -1)
 
-    def seen_at(self, places: NDArray[Any], features: Indices | slice = ALL) -> tuple[NDArray[Any], Mask]:
-        """The distances alone, of some features, and whether an accepted object stands at their places."""
+    def seen_at(self, places: NDArray[Any], sets: Indices) -> tuple[NDArray[Any], Mask]:
+        """The distances alone, and whether an accepted object stands at the places."""
         pixel, inside = _pixel(places, self.covered.shape)
-        index = pixel + self.of_feature[features] * self.covered.size
+        index = pixel + self.of_set[sets] * self.covered.size
         distance = np.where(inside, self.distance.ravel()[index], np.float32(np.inf))
         return distance, np.asarray(inside & self.covered.ravel()[pixel]) if self.anything else np.zeros_like(inside)
 
@@ -198,18 +198,20 @@ def distance_maps(
     covered: Mask | None = None,
     check: Callable[[], None] = unhurried,
 ) -> DistanceMaps:
-    """One map for each distinct row of ``allowed`` (F, A). A row without a datum gives a map of infinities.
+    """One map for each distinct row of ``allowed`` (S, A), the data that look as of one set.
+
+    A row without a datum gives a map of infinities.
 
     ``check`` is called before each, and may raise to end it.
     """
-    rows, of_feature = np.unique(allowed, axis=0, return_inverse=True)
+    rows, of_set = np.unique(allowed, axis=0, return_inverse=True)
     shape = (data.camera.height, data.camera.width)
     distance, nearest = np.full((len(rows), *shape), np.inf, np.float32), np.full((len(rows), *shape), -1, np.int32)
     for row, far, who in zip(rows, distance, nearest, strict=True):
         check()
         _draw_map(np.flatnonzero(row), data.ideal, far, who)
     nothing = np.zeros(shape, dtype=bool) if covered is None else covered
-    return DistanceMaps(distance, nearest, of_feature.reshape(-1), nothing)
+    return DistanceMaps(distance, nearest, of_set.reshape(-1), nothing)
 
 
 def _draw_map(members: Indices, places: Floats, distance: NDArray[np.float32], nearest: NDArray[np.int32]) -> None:
@@ -226,68 +228,3 @@ def _draw_map(members: Indices, places: Floats, distance: NDArray[np.float32], n
     owner = np.full(int(label.max()) + 1, -1, dtype=np.int32)
     owner[label[pixels[:, 1], pixels[:, 0]]] = members
     nearest[:] = owner[label]
-
-
-SHARP = 4.0
-LEAST_OPEN = 0.3
-"""Share of the visible features' weight that votes are taken relative to at least, however much is covered."""
-ALIKE = np.radians(12.0)
-"""Two coarse poses are alike where they differ by less than this, by 8 % of the size in place, and by 15 % in size."""
-
-
-def seen_cells(poses: Floats, cells: ViewCells) -> Indices:
-    """(N,) the cell nearest to the camera's direction under each pose (N, 4, 4)."""
-    directions = viewpoints_of(poses) - cells.centre
-    return cells.nearest(directions / np.maximum(np.linalg.norm(directions, axis=1, keepdims=True), 1e-9))
-
-
-def sizes(poses: Floats, cells: ViewCells, focal: float) -> Floats:
-    """(N,) projected diameter, pixels."""
-    depth = poses[:, 2, :3] @ cells.centre + poses[:, 2, 3]
-    return np.asarray(cells.diameter * focal / np.maximum(depth, 1e-6))
-
-
-def pose_votes(
-    poses: Floats,
-    cells: ViewCells,
-    points: Floats,
-    weights: Floats,
-    maps: DistanceMaps,
-    data: Data,
-    features: Indices | slice = ALL,
-) -> Floats:
-    """(N,) Σ weight of the visible ones of ``features``, each by how near its nearest datum is.
-
-    In units of their whole weight, outside the image too.
-
-    Half of a vote is for coming near, half for coming ``SHARP`` times nearer; covered features have no vote.
-    """
-    value = (cells.visible * weights).astype(np.float32)[:, features][seen_cells(poses, cells)]
-    places = project_ideal(poses, points[features], data)
-    most = value.sum(axis=1)
-    distance, covered = maps.seen_at(places, features)
-    value = value * ~covered
-    share = distance / (LOOSE * sizes(poses, cells, data.camera.f)).astype(np.float32)[:, None]
-    near = 0.5 * np.maximum(0.0, 1.0 - share) + 0.5 * np.maximum(0.0, 1.0 - SHARP * share)
-    whole = np.maximum(np.maximum(value.sum(axis=1), LEAST_OPEN * most), 1e-12)
-    return np.asarray((value * near).sum(axis=1) / whole)
-
-
-def best_apart(worth: Floats, poses: Floats, cells: ViewCells, data: Data, most: int) -> Indices:
-    """Indices of at most ``most`` poses, best first, no two alike."""
-    order = np.argsort(-worth, kind="stable")[: 15 * most]
-    some = poses[order]
-    centre = project_ideal(some, cells.centre[None], data)[:, 0]
-    size = np.log(sizes(some, cells, data.camera.f))
-    rotation = some[:, :3, :3].reshape(len(some), 9)
-    alive, kept = np.ones(len(order), dtype=bool), []
-    for i in range(len(order)):
-        if alive[i]:
-            kept.append(order[i])
-            if len(kept) >= most:
-                break
-            near = np.abs(size - size[i]) < 0.15
-            near &= rotation @ rotation[i] > 1.0 + 2.0 * np.cos(ALIKE)
-            near &= ((centre - centre[i]) ** 2).sum(axis=1) < (0.08 * np.exp(size[i])) ** 2
-            alive &= ~near
-    return np.array(kept, dtype=np.intp)

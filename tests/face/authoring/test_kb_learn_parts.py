@@ -115,7 +115,8 @@ def test_in_a_picture_parts_are_facts_and_poses_are_known_up_to_the_turn(learned
     (found,) = [h for h in document["hypotheses"] if h["id"] == present]
     assert np.degrees(pose_error(np.array(found["T_camera_object"]), truth, kind.symmetries)[0]) < 5.0
     program = good("program", tmp_path / "i.json")
-    assert f"part_of({present}/lower, {present})." in program
-    assert f", {present}/upper)." in program
+    assert f"hypothesis({present}, {found['type']})." in program
+    assert f"type_part({found['type']}/lower, {found['type']}). object_part({found['type']}/lower)." in program
+    assert f", {found['type']}/upper)." in program
     answers = json.loads(good("query", tmp_path / "i.json", f"pp({present}/upper, {present})", "--json"))["answers"]
     assert answers[0]["probability"] == pytest.approx(found["probability"], abs=1e-9)

@@ -11,6 +11,7 @@ from geometry.frames import pose_error
 from plogic.match.gamma.data import data_of
 from plogic.match.hand.generate import generate
 from plogic.match.hand.hand_models import type_index
+from plogic.match.hand.place_index import place_index
 from plogic.match.judged.evidence import evidence
 from plogic.match.judged.rivals import same_place
 from sensing.appearance import Gamma
@@ -21,7 +22,8 @@ SEEDS = range(5000, 5012)
 @cache
 def found(name, gamma):
     """The hypotheses of a type in a Γ, searched for once."""
-    return generate(perceiver().models[name], data_of(gamma.appearances, gamma.camera), towers())
+    index = place_index([perceiver().models[name]])
+    return generate(index, data_of(gamma.appearances, gamma.camera), towers())[name]
 
 
 def best(name, gamma):

@@ -7,8 +7,7 @@ from synthetic import CAMERA, camera_pose, perceiver, scene
 from geometry.frames import pose_error
 from plogic.match.gamma.data import data_of
 from plogic.match.gamma.grid import wrapped
-from plogic.match.hand.correspondences import MOST_PAIRS, data_links, feature_links, linked_pairs
-from plogic.match.hand.extend import coarse_poses
+from plogic.match.hand.links import MOST_PAIRS, coarse_poses, data_links, feature_links, linked_pairs
 from sensing.appearance import Appearance
 
 SQUARE = np.array([[0.0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0]])

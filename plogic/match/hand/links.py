@@ -1,18 +1,16 @@
-"""Pairs: the smallest sets of appearances that, inside one view cell, fix a whole pose (§6.3).
+"""Links: where data have arms, two appearances that, inside one view cell, fix a whole pose (§6.3).
 
-Two features on two appearances give the roll and the scale; the cell gives the direction. Everything is done on arrays
-of thousands at once.
+A *link* of the cloud is a pair of features of which one's edge ends at the other; a link of Γ is a pair of junctions of
+which one's arm points at the other. Laid onto each other in a view cell, the two fix roll and scale, and the cell gives
+the direction; the junctions' other arms must then lie on the features' other edges. All arms are kept as bits of a
+64-bit word, relative to the link, so that millions of combinations are tested in milliseconds.
 
-* ``linked_pairs``: where data have arms. A *link* of the cloud is a pair of features of which one's edge ends at the
-  other; a link of Γ is a pair of junctions of which one's arm points at the other. Laid onto each other in a view cell,
-  the two fix roll and scale; the junctions' other arms must then lie on the features' other edges. All arms are kept as
-  bits of a 64-bit word, relative to the link, so that millions of combinations are tested in milliseconds
-* ``open_pairs``: where the detector reports places only. They cost cells × features² × appearances², so that they are
-  taken cell by cell; and as no arm refuses a pair, the other anchors' votes choose those that are kept
+* ``linked_pairs``: of one type, in every cell; ``linked_poses``: of all types, as poses
 """
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
@@ -21,7 +19,13 @@ from geometry.arrays import Floats, Indices, Mask
 from plogic.base.clock import unhurried
 from plogic.match.gamma.data import Columns, Data, blocks
 from plogic.match.gamma.grid import wrapped
+from plogic.match.hand.extend import poses_about
+from plogic.match.hand.place_index import PlaceIndex
+from plogic.match.hand.place_votes import LARGEST, SMALLEST
 from plogic.match.hand.view_cells import ALL, LOOSE, DistanceMaps, ViewCells
+
+if TYPE_CHECKING:
+    from plogic.match.hand.hand_models import TypeIndex
 
 ARM_TOLERANCE = np.radians(16.0)
 """How far an arm may lie from the edge that the nearest cell predicts: half a cell's width plus the detector's
@@ -226,94 +230,66 @@ def votes(
     maps: DistanceMaps,
     weights: Floats,
     data: Data,
+    sets: Indices,
     features: Indices | slice = ALL,
 ) -> Floats:
-    """(N,) Σ weight of the visible ``features``, each by how near its nearest datum is, over their whole weight."""
+    """(N,) Σ weight of the visible ``features``, each by how near its nearest datum is, over their whole weight.
+
+    ``sets`` (F,) as what they look.
+    """
     value = (cells.visible * weights).astype(np.float32)[:, features]
-    distance = maps.seen_at(places_of(pairs, cells, data, features), features)[0].astype(np.float32)
+    distance = maps.seen_at(places_of(pairs, cells, data, features), sets[features])[0].astype(np.float32)
     near = np.maximum(0.0, 1.0 - distance / (LOOSE * cells.diameter * pairs.scale).astype(np.float32)[:, None])
     whole = np.maximum(value.sum(axis=1), 1e-12)
     return np.asarray((value[pairs.cell] * near).sum(axis=1) / whole[pairs.cell], dtype=float)
 
 
-MOST_OF_CELL = 4_000
-"""Pairs of one cell that are voted on; more are thinned evenly."""
-LARGEST_JOIN = 100_000
-"""Entries of one cell's join; of a larger one, pairs of features are left out evenly."""
+def linked_poses(
+    index: PlaceIndex, data: Data, maps: DistanceMaps, most: int, check: Callable[[], None] = unhurried
+) -> tuple[Indices, Floats]:
+    """Types (N,) and poses (N, 4, 4) of the links of all types on those of Γ.
+
+    Of each type the ``most`` that the anchors vote for.
+
+    ``check`` is called between types, and blocks, and may raise to end it.
+    """
+    kinds, poses = [np.zeros(0, np.intp)], [np.zeros((0, 4, 4))]
+    if np.isfinite(data.arms).any():
+        allowed = index.allowed(data)
+        for kind, each in enumerate(index.indices):
+            if each.cells.arms.shape[2] and len(each.links):
+                poses.append(_of_type(each, index.shown[kind], allowed, data, maps, most, check))
+                kinds.append(np.full(len(poses[-1]), kind))
+    return np.concatenate(kinds), np.concatenate(poses)
 
 
-def open_pairs(
-    cells: ViewCells,
-    anchors: Indices,
+def _of_type(
+    each: "TypeIndex",
+    sets: Indices,
     allowed: Mask,
     data: Data,
-    scales: tuple[float, float],
     maps: DistanceMaps,
-    check: Callable[[], None] = unhurried,
-) -> Pairs:
-    """Pairs of anchors and data that a cell allows within the range of ``scales``.
-
-    At most ``MOST_PAIRS``, the best by the anchors' votes.
-
-    ``maps`` of all features, of these data at least, and of no others that an anchor may take.
-
-    ``check`` is called between cells, and blocks of their data, and may raise to end it.
-    """
-    if not len(data.ids) or not allowed[anchors].any():
-        none = np.zeros(0, dtype=np.intp)
-        return Pairs(none, none, none, none, none, np.zeros(0), np.zeros(0))
-    found = [_of_cell(cells, c, anchors, allowed, data, scales, check) for c in range(len(cells.directions))]
-    alike = np.ones(cells.visible.shape[1])
-    worth = np.concatenate([votes(pairs, cells, maps, alike, data, anchors) for pairs in found])
-    return Pairs.joined(found).take(np.sort(np.argsort(-worth, kind="stable")[:MOST_PAIRS]))
-
-
-def _of_cell(
-    cells: ViewCells,
-    c: int,
-    anchors: Indices,
-    allowed: Mask,
-    data: Data,
-    scales: tuple[float, float],
+    most: int,
     check: Callable[[], None],
-) -> Pairs:
-    """The pairs of one cell, thinned evenly to ``MOST_OF_CELL``.
+) -> Floats:
+    """Links have anchors at both ends, and data that these look like."""
+    own = allowed[sets[: len(each.points)]]
+    anchored = np.asarray(own[each.anchors].any(axis=0))
+    some, columns = data.only(anchored), np.flatnonzero(anchored)
+    scales = SMALLEST / each.cells.diameter, LARGEST * data.camera.height / each.cells.diameter
+    found = linked_pairs(each.cells, each.links, own[:, columns], some, scales, check)
+    check()
+    worth = votes(found, each.cells, maps, each.weights, some, sets, each.anchors)
+    return coarse_poses(found.take(np.sort(np.argsort(-worth, kind="stable")[:most])), each.cells, some)
 
-    Where more than one pair of features is left, ``LARGEST_JOIN`` bounds the join; of one alone it is made in blocks,
-    whose order is its own.
+
+def coarse_poses(pairs: Pairs, cells: ViewCells, data: Data) -> Floats:
+    """(N, 4, 4) camera_from_object of coarse pairs.
+
+    The cell's rotation and roll, about the ray through the object's centre.
     """
-    seen = anchors[cells.visible[c, anchors]]
-    first, second = (seen[i] for i in np.triu_indices(len(seen), 1)[:2])
-    stride = max(1, int(np.ceil(len(first) * len(data.ids) ** 2 / LARGEST_JOIN)))
-    first, second = first[::stride], second[::stride]
-    model = cells.xy[c, second] - cells.xy[c, first]
-    length = np.maximum(np.hypot(model[:, 0], model[:, 1]), 1e-9)
-    number, packed = len(data.ids), []
-    for some in blocks(number, number) if len(first) == 1 else [slice(number)]:
-        check()
-        image = data.ideal[None] - data.ideal[some][:, None]
-        scale = np.hypot(image[..., 0], image[..., 1])[None] / length[:, None, None]
-        good = allowed[first][:, some, None] & allowed[second][:, None, :] & (scale > scales[0]) & (scale < scales[1])
-        packed.append((int(np.count_nonzero(good)), good.size, np.packbits(good)))
-    p, a, b = np.unravel_index(_thinned(packed), (len(first), number, number))
-    step = data.ideal[b] - data.ideal[a]
-    angle = np.arctan2(step[:, 1], step[:, 0]) - np.arctan2(model[p, 1], model[p, 0])
-    return Pairs(
-        np.full(len(p), c), first[p], a, second[p], b, wrapped(angle), np.hypot(step[:, 0], step[:, 1]) / length[p]
-    )
-
-
-def _thinned(packed: list[tuple[int, int, NDArray[np.uint8]]]) -> Indices:
-    """Where bits are set in blocks of them, one after the other: all, or ``MOST_OF_CELL`` evenly.
-
-    A block: how many are set, and are there.
-    """
-    total = sum(count for count, _, _ in packed)
-    wanted = np.arange(total) if total <= MOST_OF_CELL else np.linspace(0, total - 1, MOST_OF_CELL).astype(np.intp)
-    found, before, start = [np.zeros(0, np.intp)], 0, 0
-    for count, size, bits in packed:
-        here = wanted[np.searchsorted(wanted, before) : np.searchsorted(wanted, before + count)]
-        if len(here):
-            found.append(start + np.flatnonzero(np.unpackbits(bits, count=size))[here - before])
-        before, start = before + count, start + size
-    return np.concatenate(found)
+    local = -cells.xy[pairs.cell, pairs.feature]
+    cos, sin = np.cos(pairs.roll), np.sin(pairs.roll)
+    turned = np.stack([cos * local[:, 0] - sin * local[:, 1], sin * local[:, 0] + cos * local[:, 1]], axis=1)
+    centre = data.ideal[pairs.datum] + pairs.scale[:, None] * turned
+    return poses_about(centre, pairs.roll, pairs.scale, cells.cell_from_object[pairs.cell], cells.centre, data)
