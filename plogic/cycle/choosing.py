@@ -69,7 +69,7 @@ def acceptance(hypothesis: Hypothesis) -> Step:
 
 
 FALL = 10.0
-"""Evidence, logarithms: of 40 rings of planks the right way out cost 4.2 at most, the wrong one 29 or more."""
+"""Evidence, logarithms: in a dozen rings of planks the right way out cost 4.2 at most, the wrong one 29 or more."""
 
 
 def stable(task: Task, of: tuple[Hypothesis, ...], steps: tuple[Step, ...] = ()) -> Stable:

@@ -110,3 +110,16 @@ def test_a_mistake_that_no_scene_is_needed_for_is_found_by_kb_check(folder, tmp_
     done = plogic("kb", "check", changed(folder, tmp_path, rules))
     assert done.returncode == 1
     assert told in done.stderr
+
+
+def test_several_views_count_who_is_present_and_a_batch_tells_what_leaves_no_world(folder, demo, tmp_path):
+    kb = changed(folder, tmp_path, "constraint(a) :- object(_, t1).\n")
+    done = plogic("perceive", demo / "gamma.json", demo / "gamma.json", "--kb", kb, "--out", tmp_path / "views.json")
+    assert done.returncode == 0, done.stderr
+    assert "rules.pl: over several views it counts who is present" in done.stderr
+    assert {found["type"] for found in json.loads((tmp_path / "views.json").read_text())["objects"]} == {"t2"}
+    (kb / "rules.pl").write_text("constraint(a) :- object(_, t1).\nconstraint(b) :- \\+ object(_, t1).\n")
+    done = plogic("batch", demo / "gamma.json", "--kb", kb, "--out", tmp_path / "frames.jsonl")
+    assert done.returncode == 1
+    (line,) = (tmp_path / "frames.jsonl").read_text().splitlines()
+    assert json.loads(line)["error"] == "no world satisfies rules.pl:1:1: constraint(a) and rules.pl:2:1: constraint(b)"
