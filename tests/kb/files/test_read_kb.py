@@ -377,7 +377,7 @@ def test_a_kb_without_types_is_read(tmp_path):
 def test_the_shipped_kb_is_named():
     assert (shipped("towers") / "kb.yaml").is_file()
     with pytest.raises(
-        KBError, match="no knowledge base 'castles' comes with plogic; these do: first, lookalikes, towers"
+        KBError, match="no knowledge base 'castles' comes with plogic; these do: first, lookalikes, paper, towers"
     ):
         shipped("castles")
 
