@@ -31,9 +31,9 @@ SLOWER = 2.0
 """How much longer the search may take with the most types."""
 CAPTION = """\
 Scenes of one to four objects, of 12 types and of 50 that are modelled by hand, without angles, 14 to 40 features each, 40 to 80 appearances, 15 %
-missed, at least 25 % clutter, one pixel of noise. A scene in which an object at least half visible has fewer than five data is drawn again. there: objects at least half visible; found: those that an accepted object of their type stands
-for; posed: within 5 degrees and 5 % of the distance, up to stated symmetries; false: accepted objects that stand for none. Seconds are of the
-processor, from the data to what is accepted."""
+missed, at least 25 % clutter, one pixel of noise. A scene in which an object at least half visible has fewer than five data is drawn again.
+there: objects at least half visible; found: those that an accepted object of their type stands for; posed: within 5 degrees and 5 % of the
+distance, up to stated symmetries; false: accepted objects that stand for none. Seconds are of the processor, from the data to what is accepted."""
 
 
 class Outcome(NamedTuple):
