@@ -261,7 +261,7 @@ def test_a_deadline_in_the_first_round_keeps_what_was_found(apart, monkeypatch):
     """
     shot, _ = apart[0]
     attention = attend_to(shot.gamma)
-    for end in range(1, 100):
+    for end in range(1, 1000):
         ticks = count()
         monkeypatch.setattr(deadline, "monotonic", lambda ticks=ticks: float(next(ticks)))
         cycle = perceive(task_of(shot.gamma, end=float(end)), attention)
