@@ -305,4 +305,10 @@ def withheld_claims(found: Sequence[Withheld]) -> list[Claim]:
         Claim(
             "withheld: ECE over all pairs and relations", "<=", 0.05, expected_calibration_error(*every_forecast(found))
         ),
+        Claim(
+            "withheld: ECE of the most probable relation",
+            "<=",
+            0.05,
+            expected_calibration_error(*first_forecasts(found), BINS),
+        ),
     ]

@@ -23,7 +23,6 @@ from plogic.facts.hypothesis import part_facts
 from plogic.facts.interpretation import type_of
 from plogic.facts.situation import Reading, Reconsider, Situation
 from plogic.measures.distinctiveness import distinctiveness, instance_counts
-from plogic.scene.readings.world_weights import DEFAULT_PRIOR
 
 Floats = NDArray[np.float64]
 
@@ -77,7 +76,7 @@ def sigma(kb: KnowledgeBase, reading: Reading, reconsider: Reconsider) -> Situat
         (),
         reconsider,
         types=types,
-        priors={name: kb.rates.prior.get(name, DEFAULT_PRIOR) for name in kinds},
+        priors=dict(kb.rates.prior),
         dv=distinctiveness(instance_counts(kb.types)),
         hit_rates=dict(kb.rates.hit),
         rules=kb.rules or "",

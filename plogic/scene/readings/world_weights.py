@@ -16,6 +16,7 @@ import numpy as np
 
 from geometry.arrays import Floats, Mask
 from plogic.base.bounds import LEAST, alternative, bounded
+from plogic.base.walk import by_key
 from plogic.facts import hypothesis as d7
 from plogic.facts.dependence import Scene
 from plogic.facts.hypothesis import FeatureFact, Hypothesis
@@ -57,6 +58,28 @@ def cells(scene: Scene, h: Hypothesis, f: FeatureFact, present: Present) -> Cell
     return Cells(awaited, found)
 
 
+class Four(NamedTuple):
+    """The four cases of §4 of one feature, (M,) each, in the order of Table 1: in which worlds it counts in each."""
+
+    a: Mask
+    c: Mask
+    b: Mask
+    d: Mask
+
+
+def four(scene: Scene, h: Hypothesis, f: FeatureFact, present: Present) -> Four:
+    """The case of a feature in every world (§5.5).
+
+    In mode `drop` that of the hypothesis alone, and of a C cell that a present occluder explains none.
+    """
+    if scene.situation.reconsider != "drop":
+        awaited, found = cells(scene, h, f, present)
+        return Four(awaited & found, awaited & ~found, ~awaited & ~found, ~awaited & found)
+    awaited, found = (np.full_like(present[h.id], flag) for flag in (h.expects(f), f.match is not None))
+    unexplained = awaited & ~found & ~hidden(scene, h, f, present)
+    return Four(awaited & found, unexplained, ~awaited & ~found, ~awaited & found)
+
+
 def supported(scene: Scene, h: Hypothesis, present: Present) -> Mask:
     """Where at least one feature of ``h`` is detected (trap b: a fully hidden phantom would have ev = +1)."""
     result = np.zeros_like(next(iter(present.values())))
@@ -88,13 +111,9 @@ def _dropped(scene: Scene, h: Hypothesis, present: Present) -> Floats:
     good = np.zeros(len(next(iter(present.values()))))
     bad = np.zeros_like(good)
     for f in (f for f in h.features if f.in_image):
-        awaited, found = h.expects(f), f.match is not None
-        if awaited == found:
-            good += f.dv
-        elif found:
-            bad += f.dv
-        else:
-            bad += f.dv * ~hidden(scene, h, f, present)
+        case = four(scene, h, f, present)
+        good += f.dv * (case.a | case.b)
+        bad += f.dv * (case.c | case.d)
     total = good + bad
     return np.divide(good, total, out=np.full_like(good, np.nan), where=total > 0)
 
@@ -145,13 +164,10 @@ def shares_of(densities: list[float], clutter: float) -> Shares:
 
 def group_shares(scene: Scene) -> dict[str, list[tuple[str, float]]]:
     """Group → (hypothesis, its share of the prior): rivals for one instance share prior(Type) evenly."""
-    groups: dict[str, list[Hypothesis]] = {}
-    for h in scene.situation.hypotheses:
-        groups.setdefault(h.group, []).append(h)
     priors = scene.situation.priors
     return {
         name: [(h.id, bounded(priors.get(h.type, DEFAULT_PRIOR) / len(members))) for h in members]
-        for name, members in groups.items()
+        for name, members in by_key((h.group, h) for h in scene.situation.hypotheses).items()
     }
 
 

@@ -9,8 +9,8 @@ from collections import Counter
 from collections.abc import Iterable, Iterator
 
 from plogic.base.bounds import LEAST, bounded
+from plogic.base.walk import by_key
 from plogic.facts.hypothesis import Hypothesis
-from plogic.facts.situation import Situation
 from plogic.scene.readings.world_weights import DEFAULT_PRIOR, lifted_smoothing, unmatched
 from plogic.scene.text.layout import Writer, disjunction, number, possible_causes
 from plogic.scene.text.measures import contexts, key_of
@@ -53,7 +53,7 @@ def _score(w: Writer) -> Iterator[str]:
         yield from _joint(w, i, block)
     members = {name for block in cyclic for name in block}
     yield "% P(ev) of a hypothesis in a context is a probabilistic fact (§5.4)."
-    yield "P::ev_holds(H, C) :- chance(H, C, P)."
+    yield "P::ev_holds(H, C) :- ev_chance(H, C, P)."
     for h in w.scene.situation.hypotheses:
         if h.id not in members:
             yield w.fact("alone", h.id)
@@ -96,24 +96,16 @@ def _joint(w: Writer, i: int, block: tuple[str, ...]) -> Iterator[str]:
     yield disjunction(heads, f"context(block({i}), C), joint_shares({i}, C, [{', '.join(shares)}])")
 
 
-def groups(situation: Situation) -> dict[str, list[Hypothesis]]:
-    """Group → the rivals for one instance."""
-    found: dict[str, list[Hypothesis]] = {}
-    for h in situation.hypotheses:
-        found.setdefault(h.group, []).append(h)
-    return found
-
-
 def _posterior(w: Writer) -> Iterator[str]:
     """One alternative per instance and per claimed appearance, one hit per candidate feature."""
     yield "% Rivals for one instance are one alternative: they share the prior of their type; else there is none."
-    for members in groups(w.scene.situation).values():
+    for members in by_key((h.group, h) for h in w.scene.situation.hypotheses).values():
         types = list(dict.fromkeys(h.type for h in members))
         share = {name: f"P{i}" if len(types) > 1 else "P" for i, name in enumerate(types, 1)}
         body = [f"prior_share({w.names.atom(name)}, {len(members)}, {p})" for name, p in share.items()]
         yield disjunction([(share[h.type], w.fact("present", h.id)[:-1]) for h in members], ", ".join(body))
     yield "% Each expected feature is detected with its hit rate."
-    yield "P::hit(H, F) :- candidate(H, F), rate(H, F, P)."
+    yield "P::hit(H, F) :- candidate(H, F), feature_rate(H, F, P)."
     yield "% Each claimed appearance has one cause: densities over their sum (bounded, so that ProbLog can read them)."
     for appearance in w.scene.claimants:
         heads = possible_causes(w, appearance)

@@ -9,10 +9,9 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from geometry.arrays import Mask
 from plogic.facts.dependence import MOST_OCCLUDERS
 from plogic.facts.hypothesis import FeatureFact, Hypothesis
-from plogic.scene.readings.world_weights import cells, hidden
+from plogic.scene.readings.world_weights import four
 from plogic.scene.text.layout import Writer, number
 
 
@@ -62,14 +61,5 @@ def _rows(w: Writer, h: Hypothesis, some: list[tuple[str, ...]]) -> dict[str, np
     rows: dict[str, np.ndarray] = {key: np.zeros((len(some), 4), int) for key in order}
     for f in (f for f in h.features if f.in_image):
         rows.setdefault(key_of(w, f), np.zeros((len(some), 4), int))
-        rows[key_of(w, f)] += np.stack(_cells(w, h, f, present), axis=1)
+        rows[key_of(w, f)] += np.stack(four(w.scene, h, f, present), axis=1)
     return rows
-
-
-def _cells(w: Writer, h: Hypothesis, f: FeatureFact, present: dict[str, Mask]) -> tuple[Mask, Mask, Mask, Mask]:
-    """A, C, B, D of one feature; in mode `drop` those of the hypothesis alone, without what an occluder explains."""
-    if w.scene.situation.reconsider == "drop":
-        awaited, found = np.full_like(present[h.id], h.expects(f)), np.full_like(present[h.id], f.match is not None)
-        return awaited & found, awaited & ~found & ~hidden(w.scene, h, f, present), ~awaited & ~found, ~awaited & found
-    awaited, found = cells(w.scene, h, f, present)
-    return awaited & found, awaited & ~found, ~awaited & ~found, ~awaited & found

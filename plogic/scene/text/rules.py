@@ -5,6 +5,7 @@
 
 import re
 from collections.abc import Iterable, Iterator
+from functools import cache
 
 from plogic.base.bounds import LEAST
 from plogic.facts.situation import Situation
@@ -41,12 +42,12 @@ bounds(S, H) :- hypothesis(H, T), object_part(T/P), S = surface(H/P).
 
 EV = r"""
 % §5.4: ev from dv and the four cells.
-ev_in(H, C, V) :- cells(H, C, Rows), weighed(Rows, Good, Bad), Good + Bad > 0, V is (Good - Bad) / (Good + Bad).
-weighed([], 0.0, 0.0).
-weighed([row(F, A, C, B, D) | Rest], Good, Bad) :-
-  weight(F, V), weighed(Rest, G, N), Good is G + V * (A + B), Bad is N + V * (C + D).
-weight(F, V) :- dv(F, V).
-weight(own(V), V).
+ev_in(H, C, V) :- cells(H, C, Rows), cells_weighed(Rows, Good, Bad), Good + Bad > 0, V is (Good - Bad) / (Good + Bad).
+cells_weighed([], 0.0, 0.0).
+cells_weighed([row(F, A, C, B, D) | Rest], Good, Bad) :-
+  cell_weight(F, V), cells_weighed(Rest, G, N), Good is G + V * (A + B), Bad is N + V * (C + D).
+cell_weight(F, V) :- dv(F, V).
+cell_weight(own(V), V).
 
 % A context of H: those of its occluders that are present.
 context(H, C) :- occluders(H, Gs), those_present(Gs, C).
@@ -57,14 +58,14 @@ those_present([G | Gs], C) :- \+ present(G), those_present(Gs, C).
 
 BOUNDED = r"""
 % What is possible but very improbable stays possible for ProbLog.
-bounded(X, X) :- X =< 0.0.
-bounded(X, X) :- X >= 1.0.
-bounded(X, P) :- X > 0.0, X < 1.0, P is min(max(X, LEAST), 1 - LEAST).
+bounded_chance(X, X) :- X =< 0.0.
+bounded_chance(X, X) :- X >= 1.0.
+bounded_chance(X, P) :- X > 0.0, X < 1.0, P is min(max(X, LEAST), 1 - LEAST).
 """.replace("LEAST", repr(LEAST))
 
 CHANCE = r"""
 % P(ev), smoothed where the knowledge base's user asks for it.
-chance(H, C, P) :- ev_in(H, C, V), smoothing(E), Q is E + (1 - 2 * E) * (V + 1) / 2, bounded(Q, P).
+ev_chance(H, C, P) :- ev_in(H, C, V), smoothing(E), Q is E + (1 - 2 * E) * (V + 1) / 2, bounded_chance(Q, P).
 """
 
 EXPECTED = r"""% D4, D7: what a hypothesis alone leads to expect, and what a present opaque object, no rival, hides.
@@ -139,49 +140,51 @@ present(H) :- alone(H), supported(H), context(H, C), ev_holds(H, C).
 JOINT = r"""
 % Mutual occlusion: the hypotheses of a cyclic component are decided together. A joint state S has the weight Π_{h∈S} p_h(S) · Π_{h∉S} (1 - p_h(S)),
 % over those that Σc allows; where these weigh nothing over all; where these weigh nothing nobody is present.
-present(H) :- block(B, Hs, _), one_of(H, Hs), joint(B, _, S), one_of(H, S).
-joint_shares(B, C, Ps) :- lawful(B, C, Ws), total(Ws, W), W > 0, shares(Ws, W, Ps).
-joint_shares(B, C, Ps) :- lawful(B, C, Ls), total(Ls, L), L =< 0, block(B, Hs, Ss), weights(Ss, Hs, C, Ws), any_shares(Ws, Ps).
-any_shares(Ws, Ps) :- total(Ws, W), W > 0, shares(Ws, W, Ps).
-any_shares([V | Vs], [1.0 | Vs]) :- total([V | Vs], W), W =< 0.
-lawful(B, C, Ls) :- block(B, Hs, Ss), weights(Ss, Hs, C, Ws), cut(Ss, Ws, Ls).
-cut([], [], []).
-cut([S | Ss], [_ | Ws], [0.0 | Ls]) :- unlawful(S), cut(Ss, Ws, Ls).
-cut([S | Ss], [W | Ws], [W | Ls]) :- \+ unlawful(S), cut(Ss, Ws, Ls).
-unlawful(S) :- one_of(X, S), one_of(Y, S), apart(X, Y).
-apart(X, Y) :- overlap(X, Y).
-apart(X, Y) :- exclusive(X, Y).
-weights([], _, _, []).
-weights([S | Ss], Hs, C, [W | Ws]) :- state_weight(Hs, S, C, W), weights(Ss, Hs, C, Ws).
+present(H) :- block(B, Hs, _), in_state(H, Hs), joint(B, _, S), in_state(H, S).
+joint_shares(B, C, Ps) :- lawful_weights(B, C, Ws), weights_total(Ws, W), W > 0, weights_shared(Ws, W, Ps).
+joint_shares(B, C, Ps) :-
+  lawful_weights(B, C, Ls), weights_total(Ls, L), L =< 0,
+  block(B, Hs, Ss), state_weights(Ss, Hs, C, Ws), joint_shares_of(Ws, Ps).
+joint_shares_of(Ws, Ps) :- weights_total(Ws, W), W > 0, weights_shared(Ws, W, Ps).
+joint_shares_of([V | Vs], [1.0 | Vs]) :- weights_total([V | Vs], W), W =< 0.
+lawful_weights(B, C, Ls) :- block(B, Hs, Ss), state_weights(Ss, Hs, C, Ws), lawful_only(Ss, Ws, Ls).
+lawful_only([], [], []).
+lawful_only([S | Ss], [_ | Ws], [0.0 | Ls]) :- unlawful_state(S), lawful_only(Ss, Ws, Ls).
+lawful_only([S | Ss], [W | Ws], [W | Ls]) :- \+ unlawful_state(S), lawful_only(Ss, Ws, Ls).
+unlawful_state(S) :- in_state(X, S), in_state(Y, S), state_apart(X, Y).
+state_apart(X, Y) :- overlap(X, Y).
+state_apart(X, Y) :- exclusive(X, Y).
+state_weights([], _, _, []).
+state_weights([S | Ss], Hs, C, [W | Ws]) :- state_weight(Hs, S, C, W), state_weights(Ss, Hs, C, Ws).
 state_weight([], _, _, 1.0).
-state_weight([H | Hs], S, C, W) :- one_of(H, S), accepted(H, S, C, P), state_weight(Hs, S, C, V), W is V * P.
-state_weight([H | Hs], S, C, W) :- \+ one_of(H, S), accepted(H, S, C, P), state_weight(Hs, S, C, V), W is V * (1 - P).
-accepted(H, S, C, P) :- occluders(H, Gs), those_in(Gs, S, C, D), acceptance(H, D, P).
-acceptance(H, D, P) :- seen(H, D), chance(H, D, P).
-acceptance(H, D, 0.0) :- \+ acceptable(H, D).
-acceptable(H, D) :- seen(H, D), ev_in(H, D, _).
-seen(H, D) :- cells(H, D, Rows), one_of(row(_, A, _, _, N), Rows), A + N > 0.
-those_in([], _, _, []).
-those_in([G | Gs], S, C, [G | D]) :- of_both(G, S, C), those_in(Gs, S, C, D).
-those_in([G | Gs], S, C, D) :- \+ of_both(G, S, C), those_in(Gs, S, C, D).
-of_both(G, S, _) :- one_of(G, S).
-of_both(G, _, C) :- one_of(G, C).
-one_of(X, [X | _]).
-one_of(X, [_ | Xs]) :- one_of(X, Xs).
-total([], 0.0).
-total([W | Ws], S) :- total(Ws, V), S is V + W.
-shares(Ws, S, Ps) :- over(Ws, S, Xs), total(Xs, X), over(Xs, X, Ps).
-over([], _, []).
-over([W | Ws], S, [P | Ps]) :- X is W / S, lifted(X, P), over(Ws, S, Ps).
-lifted(X, X) :- X =< 0.
-lifted(X, P) :- X > 0, P is max(X, LEAST).
+state_weight([H | Hs], S, C, W) :- in_state(H, S), state_accepted(H, S, C, P), state_weight(Hs, S, C, V), W is V * P.
+state_weight([H | Hs], S, C, W) :- \+ in_state(H, S), state_accepted(H, S, C, P), state_weight(Hs, S, C, V), W is V * (1 - P).
+state_accepted(H, S, C, P) :- occluders(H, Gs), state_occluders(Gs, S, C, D), state_chance(H, D, P).
+state_chance(H, D, P) :- state_seen(H, D), ev_chance(H, D, P).
+state_chance(H, D, 0.0) :- \+ state_acceptable(H, D).
+state_acceptable(H, D) :- state_seen(H, D), ev_in(H, D, _).
+state_seen(H, D) :- cells(H, D, Rows), in_state(row(_, A, _, _, N), Rows), A + N > 0.
+state_occluders([], _, _, []).
+state_occluders([G | Gs], S, C, [G | D]) :- state_or_context(G, S, C), state_occluders(Gs, S, C, D).
+state_occluders([G | Gs], S, C, D) :- \+ state_or_context(G, S, C), state_occluders(Gs, S, C, D).
+state_or_context(G, S, _) :- in_state(G, S).
+state_or_context(G, _, C) :- in_state(G, C).
+in_state(X, [X | _]).
+in_state(X, [_ | Xs]) :- in_state(X, Xs).
+weights_total([], 0.0).
+weights_total([W | Ws], S) :- weights_total(Ws, V), S is V + W.
+weights_shared(Ws, S, Ps) :- weights_over(Ws, S, Xs), weights_total(Xs, X), weights_over(Xs, X, Ps).
+weights_over([], _, []).
+weights_over([W | Ws], S, [P | Ps]) :- X is W / S, weight_lifted(X, P), weights_over(Ws, S, Ps).
+weight_lifted(X, X) :- X =< 0.
+weight_lifted(X, P) :- X > 0, P is max(X, LEAST).
 """.replace("LEAST", repr(LEAST))
 
 RATES = r"""
 % The prior of a type is shared by the N rivals for one instance; a feature has the hit rate of its type, or its own.
-prior_share(T, N, P) :- prior(T, Q), X is Q / N, bounded(X, P).
-rate(H, F, P) :- own_rate(H, F, P).
-rate(H, F, P) :- feature_of(H, F, K), hit_rate(K, P).
+prior_share(T, N, P) :- prior(T, Q), X is Q / N, bounded_chance(X, P).
+feature_rate(H, F, P) :- own_rate(H, F, P).
+feature_rate(H, F, P) :- feature_of(H, F, K), hit_rate(K, P).
 """
 
 POSTERIOR = r"""
@@ -246,18 +249,21 @@ def fallbacks(reading: str, told: Iterable[str] = ()) -> Iterator[str]:
         yield ""
 
 
+HEAD = re.compile(r"^([a-z_]+)\((.*?)\)(?: :-|\.)", re.MULTILINE)
+"""The head of a clause of the rules, each of which begins a line: its name and its arguments."""
+NESTED = re.compile(r"\([^()]*\)|\[[^][]*\]")
+
+
+@cache
 def defined() -> frozenset[str]:
     """Every signature that programs define, in either reading: nobody else may add clauses to it."""
-    inner = {
-        "part_of/2", "feature_of/3", "opaque_surface/1", "proper_part/2", "belongs/2", "rival/2",
-        "own_host_hides/2", "candidate/2", "hidden/2", "in_view/2", "claims/3", "not_behind/2", "all_behind/2",
-        "bounds/2", "node_of/4", "found/2", "taken_away/3", "supported/1", "concordant/2", "agrees/1", "hitting/3",
-        "other_hit/3", "any_hit/1", "explained/1", "missed/2", "violated/1", "caused/1", "unposed/2", "outbid/3", "higher_up/1",
-        "ev_in/3", "weighed/3", "weight/2", "context/2", "those_present/2", "bounded/2", "chance/3", "ev_holds/2",
-        "joint_shares/3", "any_shares/2", "lawful/3", "cut/3", "unlawful/1", "apart/2", "weights/4",
-        "state_weight/4", "accepted/4", "acceptance/3", "acceptable/2", "seen/2", "those_in/4", "of_both/3",
-        "one_of/2", "total/2", "shares/3", "over/3", "lifted/2", "prior_share/3", "rate/3", "block/3",
-    }  # fmt: skip
-    return frozenset(
-        inner | {*FACTS, *ONLY["score"], *ONLY["posterior"], "excused/1"} | {e.signature for e in VOCABULARY}
-    )
+    texts = [
+        OBJECT_TYPES, COMMON, FOUND_REASSIGN, EV, BOUNDED, CHANCE, SUPPORTED, LINEAR, AGREES_SMOOTHED, DROP, JOINT, RATES, POSTERIOR, VIOLATED,
+        *(e.clause for e in VOCABULARY),
+    ]  # fmt: skip
+    ruled = {
+        f"{name}/{NESTED.sub('', NESTED.sub('', arguments)).count(',') + 1}"
+        for name, arguments in HEAD.findall("\n".join(texts))
+    }
+    told = {*FACTS, *ONLY["score"], *ONLY["posterior"], "block/3", "ev_holds/2", "excused/1", "unposed/2"}
+    return frozenset(ruled | told | {e.signature for e in VOCABULARY})

@@ -52,7 +52,7 @@ P0::joint(1, C, []); P1::joint(1, C, [h1]); P2::joint(1, C, [h2]);
   P3::joint(1, C, [h1, h2]) :-
   context(block(1), C), joint_shares(1, C, [P0, P1, P2, P3]).
 % P(ev) of a hypothesis in a context is a probabilistic fact (§5.4).
-P::ev_holds(H, C) :- chance(H, C, P).
+P::ev_holds(H, C) :- ev_chance(H, C, P).
 % Smoothing: with chance E a hypothesis is present, and with chance E absent, whatever is picked, where its ev is defined.
 E::luck(H, yes); E::luck(H, no); (1-2*E)::luck(H, as_is) :- alone(H), ev_in(H, [], _), smoothing(E).
 
@@ -104,12 +104,12 @@ all_behind(Y, X) :- behind_surface(Y, F, X), candidate(Y, F), X \= Y, \+ not_beh
 found(H, F) :- match(H, F, _), in_image(H, F).
 
 % §5.4: ev from dv and the four cells.
-ev_in(H, C, V) :- cells(H, C, Rows), weighed(Rows, Good, Bad), Good + Bad > 0, V is (Good - Bad) / (Good + Bad).
-weighed([], 0.0, 0.0).
-weighed([row(F, A, C, B, D) | Rest], Good, Bad) :-
-  weight(F, V), weighed(Rest, G, N), Good is G + V * (A + B), Bad is N + V * (C + D).
-weight(F, V) :- dv(F, V).
-weight(own(V), V).
+ev_in(H, C, V) :- cells(H, C, Rows), cells_weighed(Rows, Good, Bad), Good + Bad > 0, V is (Good - Bad) / (Good + Bad).
+cells_weighed([], 0.0, 0.0).
+cells_weighed([row(F, A, C, B, D) | Rest], Good, Bad) :-
+  cell_weight(F, V), cells_weighed(Rest, G, N), Good is G + V * (A + B), Bad is N + V * (C + D).
+cell_weight(F, V) :- dv(F, V).
+cell_weight(own(V), V).
 
 % A context of H: those of its occluders that are present.
 context(H, C) :- occluders(H, Gs), those_present(Gs, C).
@@ -118,12 +118,12 @@ those_present([G | Gs], [G | C]) :- present(G), those_present(Gs, C).
 those_present([G | Gs], C) :- \+ present(G), those_present(Gs, C).
 
 % What is possible but very improbable stays possible for ProbLog.
-bounded(X, X) :- X =< 0.0.
-bounded(X, X) :- X >= 1.0.
-bounded(X, P) :- X > 0.0, X < 1.0, P is min(max(X, 1e-08), 1 - 1e-08).
+bounded_chance(X, X) :- X =< 0.0.
+bounded_chance(X, X) :- X >= 1.0.
+bounded_chance(X, P) :- X > 0.0, X < 1.0, P is min(max(X, 1e-08), 1 - 1e-08).
 
 % P(ev), smoothed where the knowledge base's user asks for it.
-chance(H, C, P) :- ev_in(H, C, V), smoothing(E), Q is E + (1 - 2 * E) * (V + 1) / 2, bounded(Q, P).
+ev_chance(H, C, P) :- ev_in(H, C, V), smoothing(E), Q is E + (1 - 2 * E) * (V + 1) / 2, bounded_chance(Q, P).
 
 % A hypothesis counts only if at least one of its features is detected: a fully hidden phantom would have ev = +1.
 supported(H) :- match(H, F, _), found(H, F).
@@ -137,42 +137,44 @@ agrees(H) :- luck(H, as_is), pick(H, F), concordant(H, F).
 
 % Mutual occlusion: the hypotheses of a cyclic component are decided together. A joint state S has the weight Π_{h∈S} p_h(S) · Π_{h∉S} (1 - p_h(S)),
 % over those that Σc allows; where these weigh nothing over all; where these weigh nothing nobody is present.
-present(H) :- block(B, Hs, _), one_of(H, Hs), joint(B, _, S), one_of(H, S).
-joint_shares(B, C, Ps) :- lawful(B, C, Ws), total(Ws, W), W > 0, shares(Ws, W, Ps).
-joint_shares(B, C, Ps) :- lawful(B, C, Ls), total(Ls, L), L =< 0, block(B, Hs, Ss), weights(Ss, Hs, C, Ws), any_shares(Ws, Ps).
-any_shares(Ws, Ps) :- total(Ws, W), W > 0, shares(Ws, W, Ps).
-any_shares([V | Vs], [1.0 | Vs]) :- total([V | Vs], W), W =< 0.
-lawful(B, C, Ls) :- block(B, Hs, Ss), weights(Ss, Hs, C, Ws), cut(Ss, Ws, Ls).
-cut([], [], []).
-cut([S | Ss], [_ | Ws], [0.0 | Ls]) :- unlawful(S), cut(Ss, Ws, Ls).
-cut([S | Ss], [W | Ws], [W | Ls]) :- \+ unlawful(S), cut(Ss, Ws, Ls).
-unlawful(S) :- one_of(X, S), one_of(Y, S), apart(X, Y).
-apart(X, Y) :- overlap(X, Y).
-apart(X, Y) :- exclusive(X, Y).
-weights([], _, _, []).
-weights([S | Ss], Hs, C, [W | Ws]) :- state_weight(Hs, S, C, W), weights(Ss, Hs, C, Ws).
+present(H) :- block(B, Hs, _), in_state(H, Hs), joint(B, _, S), in_state(H, S).
+joint_shares(B, C, Ps) :- lawful_weights(B, C, Ws), weights_total(Ws, W), W > 0, weights_shared(Ws, W, Ps).
+joint_shares(B, C, Ps) :-
+  lawful_weights(B, C, Ls), weights_total(Ls, L), L =< 0,
+  block(B, Hs, Ss), state_weights(Ss, Hs, C, Ws), joint_shares_of(Ws, Ps).
+joint_shares_of(Ws, Ps) :- weights_total(Ws, W), W > 0, weights_shared(Ws, W, Ps).
+joint_shares_of([V | Vs], [1.0 | Vs]) :- weights_total([V | Vs], W), W =< 0.
+lawful_weights(B, C, Ls) :- block(B, Hs, Ss), state_weights(Ss, Hs, C, Ws), lawful_only(Ss, Ws, Ls).
+lawful_only([], [], []).
+lawful_only([S | Ss], [_ | Ws], [0.0 | Ls]) :- unlawful_state(S), lawful_only(Ss, Ws, Ls).
+lawful_only([S | Ss], [W | Ws], [W | Ls]) :- \+ unlawful_state(S), lawful_only(Ss, Ws, Ls).
+unlawful_state(S) :- in_state(X, S), in_state(Y, S), state_apart(X, Y).
+state_apart(X, Y) :- overlap(X, Y).
+state_apart(X, Y) :- exclusive(X, Y).
+state_weights([], _, _, []).
+state_weights([S | Ss], Hs, C, [W | Ws]) :- state_weight(Hs, S, C, W), state_weights(Ss, Hs, C, Ws).
 state_weight([], _, _, 1.0).
-state_weight([H | Hs], S, C, W) :- one_of(H, S), accepted(H, S, C, P), state_weight(Hs, S, C, V), W is V * P.
-state_weight([H | Hs], S, C, W) :- \+ one_of(H, S), accepted(H, S, C, P), state_weight(Hs, S, C, V), W is V * (1 - P).
-accepted(H, S, C, P) :- occluders(H, Gs), those_in(Gs, S, C, D), acceptance(H, D, P).
-acceptance(H, D, P) :- seen(H, D), chance(H, D, P).
-acceptance(H, D, 0.0) :- \+ acceptable(H, D).
-acceptable(H, D) :- seen(H, D), ev_in(H, D, _).
-seen(H, D) :- cells(H, D, Rows), one_of(row(_, A, _, _, N), Rows), A + N > 0.
-those_in([], _, _, []).
-those_in([G | Gs], S, C, [G | D]) :- of_both(G, S, C), those_in(Gs, S, C, D).
-those_in([G | Gs], S, C, D) :- \+ of_both(G, S, C), those_in(Gs, S, C, D).
-of_both(G, S, _) :- one_of(G, S).
-of_both(G, _, C) :- one_of(G, C).
-one_of(X, [X | _]).
-one_of(X, [_ | Xs]) :- one_of(X, Xs).
-total([], 0.0).
-total([W | Ws], S) :- total(Ws, V), S is V + W.
-shares(Ws, S, Ps) :- over(Ws, S, Xs), total(Xs, X), over(Xs, X, Ps).
-over([], _, []).
-over([W | Ws], S, [P | Ps]) :- X is W / S, lifted(X, P), over(Ws, S, Ps).
-lifted(X, X) :- X =< 0.
-lifted(X, P) :- X > 0, P is max(X, 1e-08).
+state_weight([H | Hs], S, C, W) :- in_state(H, S), state_accepted(H, S, C, P), state_weight(Hs, S, C, V), W is V * P.
+state_weight([H | Hs], S, C, W) :- \+ in_state(H, S), state_accepted(H, S, C, P), state_weight(Hs, S, C, V), W is V * (1 - P).
+state_accepted(H, S, C, P) :- occluders(H, Gs), state_occluders(Gs, S, C, D), state_chance(H, D, P).
+state_chance(H, D, P) :- state_seen(H, D), ev_chance(H, D, P).
+state_chance(H, D, 0.0) :- \+ state_acceptable(H, D).
+state_acceptable(H, D) :- state_seen(H, D), ev_in(H, D, _).
+state_seen(H, D) :- cells(H, D, Rows), in_state(row(_, A, _, _, N), Rows), A + N > 0.
+state_occluders([], _, _, []).
+state_occluders([G | Gs], S, C, [G | D]) :- state_or_context(G, S, C), state_occluders(Gs, S, C, D).
+state_occluders([G | Gs], S, C, D) :- \+ state_or_context(G, S, C), state_occluders(Gs, S, C, D).
+state_or_context(G, S, _) :- in_state(G, S).
+state_or_context(G, _, C) :- in_state(G, C).
+in_state(X, [X | _]).
+in_state(X, [_ | Xs]) :- in_state(X, Xs).
+weights_total([], 0.0).
+weights_total([W | Ws], S) :- weights_total(Ws, V), S is V + W.
+weights_shared(Ws, S, Ps) :- weights_over(Ws, S, Xs), weights_total(Xs, X), weights_over(Xs, X, Ps).
+weights_over([], _, []).
+weights_over([W | Ws], S, [P | Ps]) :- X is W / S, weight_lifted(X, P), weights_over(Ws, S, Ps).
+weight_lifted(X, X) :- X =< 0.
+weight_lifted(X, P) :- X > 0, P is max(X, 1e-08).
 
 % A4: distinct maximal objects are discrete.
 violated(shares_volume(X, Y)) :- overlap(X, Y), present(X), present(Y).

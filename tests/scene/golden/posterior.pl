@@ -119,7 +119,7 @@ P::present(h2); P::present(h3) :-
 P::present(h4) :-
   prior_share(n1, 1, P).
 % Each expected feature is detected with its hit rate.
-P::hit(H, F) :- candidate(H, F), rate(H, F, P).
+P::hit(H, F) :- candidate(H, F), feature_rate(H, F, P).
 % Each claimed appearance has one cause: densities over their sum (bounded, so that ProbLog can read them).
 0.9996001599360256::chosen(a1, h1/'roof/apex'); 0.00039984006397441024::chosen(a1, noise).
 0.4999000199960008::chosen(a2, h1/corner); 0.4999000199960008::chosen(a2, h2/corner); 0.00019996000799840034::chosen(a2, noise).
@@ -169,12 +169,12 @@ all_behind(Y, X) :- behind_surface(Y, F, X), candidate(Y, F), X \= Y, \+ not_beh
 found(H, F) :- match(H, F, _), in_image(H, F).
 
 % §5.4: ev from dv and the four cells.
-ev_in(H, C, V) :- cells(H, C, Rows), weighed(Rows, Good, Bad), Good + Bad > 0, V is (Good - Bad) / (Good + Bad).
-weighed([], 0.0, 0.0).
-weighed([row(F, A, C, B, D) | Rest], Good, Bad) :-
-  weight(F, V), weighed(Rest, G, N), Good is G + V * (A + B), Bad is N + V * (C + D).
-weight(F, V) :- dv(F, V).
-weight(own(V), V).
+ev_in(H, C, V) :- cells(H, C, Rows), cells_weighed(Rows, Good, Bad), Good + Bad > 0, V is (Good - Bad) / (Good + Bad).
+cells_weighed([], 0.0, 0.0).
+cells_weighed([row(F, A, C, B, D) | Rest], Good, Bad) :-
+  cell_weight(F, V), cells_weighed(Rest, G, N), Good is G + V * (A + B), Bad is N + V * (C + D).
+cell_weight(F, V) :- dv(F, V).
+cell_weight(own(V), V).
 
 % A context of H: those of its occluders that are present.
 context(H, C) :- occluders(H, Gs), those_present(Gs, C).
@@ -183,14 +183,14 @@ those_present([G | Gs], [G | C]) :- present(G), those_present(Gs, C).
 those_present([G | Gs], C) :- \+ present(G), those_present(Gs, C).
 
 % What is possible but very improbable stays possible for ProbLog.
-bounded(X, X) :- X =< 0.0.
-bounded(X, X) :- X >= 1.0.
-bounded(X, P) :- X > 0.0, X < 1.0, P is min(max(X, 1e-08), 1 - 1e-08).
+bounded_chance(X, X) :- X =< 0.0.
+bounded_chance(X, X) :- X >= 1.0.
+bounded_chance(X, P) :- X > 0.0, X < 1.0, P is min(max(X, 1e-08), 1 - 1e-08).
 
 % The prior of a type is shared by the N rivals for one instance; a feature has the hit rate of its type, or its own.
-prior_share(T, N, P) :- prior(T, Q), X is Q / N, bounded(X, P).
-rate(H, F, P) :- own_rate(H, F, P).
-rate(H, F, P) :- feature_of(H, F, K), hit_rate(K, P).
+prior_share(T, N, P) :- prior(T, Q), X is Q / N, bounded_chance(X, P).
+feature_rate(H, F, P) :- own_rate(H, F, P).
+feature_rate(H, F, P) :- feature_of(H, F, K), hit_rate(K, P).
 
 % §8, posterior: an appearance has exactly one cause, and every expected feature that hits needs its appearance.
 hitting(A, H, F) :- match(H, F, A), present(H), in_view(H, F), hit(H, F).

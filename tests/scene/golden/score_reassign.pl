@@ -107,7 +107,7 @@ cells(h4, [], []).
   dv(apex, Apex), dv(corner, Corner), dv(patch, Patch), S is (1-Apex) + (1-Corner) + (1-Patch), S > 0.
 
 % P(ev) of a hypothesis in a context is a probabilistic fact (§5.4).
-P::ev_holds(H, C) :- chance(H, C, P).
+P::ev_holds(H, C) :- ev_chance(H, C, P).
 alone(h1).
 Apex/S::pick(h1, 'roof/apex'); Corner/S::pick(h1, corner); Patch/S::pick(h1, patch) :-
   dv(apex, Apex), dv(corner, Corner), dv(patch, Patch), S is Apex + Corner + Patch, S > 0.
@@ -165,12 +165,12 @@ found(H, F) :- match(H, F, A), in_image(H, F), \+ taken_away(H, F, A).
 taken_away(H, F, A) :- \+ in_view(H, F), match(G, E, A), G \= H, \+ rival(H, G), candidate(G, E), present(G), in_view(G, E).
 
 % §5.4: ev from dv and the four cells.
-ev_in(H, C, V) :- cells(H, C, Rows), weighed(Rows, Good, Bad), Good + Bad > 0, V is (Good - Bad) / (Good + Bad).
-weighed([], 0.0, 0.0).
-weighed([row(F, A, C, B, D) | Rest], Good, Bad) :-
-  weight(F, V), weighed(Rest, G, N), Good is G + V * (A + B), Bad is N + V * (C + D).
-weight(F, V) :- dv(F, V).
-weight(own(V), V).
+ev_in(H, C, V) :- cells(H, C, Rows), cells_weighed(Rows, Good, Bad), Good + Bad > 0, V is (Good - Bad) / (Good + Bad).
+cells_weighed([], 0.0, 0.0).
+cells_weighed([row(F, A, C, B, D) | Rest], Good, Bad) :-
+  cell_weight(F, V), cells_weighed(Rest, G, N), Good is G + V * (A + B), Bad is N + V * (C + D).
+cell_weight(F, V) :- dv(F, V).
+cell_weight(own(V), V).
 
 % A context of H: those of its occluders that are present.
 context(H, C) :- occluders(H, Gs), those_present(Gs, C).
@@ -179,12 +179,12 @@ those_present([G | Gs], [G | C]) :- present(G), those_present(Gs, C).
 those_present([G | Gs], C) :- \+ present(G), those_present(Gs, C).
 
 % What is possible but very improbable stays possible for ProbLog.
-bounded(X, X) :- X =< 0.0.
-bounded(X, X) :- X >= 1.0.
-bounded(X, P) :- X > 0.0, X < 1.0, P is min(max(X, 1e-08), 1 - 1e-08).
+bounded_chance(X, X) :- X =< 0.0.
+bounded_chance(X, X) :- X >= 1.0.
+bounded_chance(X, P) :- X > 0.0, X < 1.0, P is min(max(X, 1e-08), 1 - 1e-08).
 
 % P(ev), smoothed where the knowledge base's user asks for it.
-chance(H, C, P) :- ev_in(H, C, V), smoothing(E), Q is E + (1 - 2 * E) * (V + 1) / 2, bounded(Q, P).
+ev_chance(H, C, P) :- ev_in(H, C, V), smoothing(E), Q is E + (1 - 2 * E) * (V + 1) / 2, bounded_chance(Q, P).
 
 % A hypothesis counts only if at least one of its features is detected: a fully hidden phantom would have ev = +1.
 supported(H) :- match(H, F, _), found(H, F).
