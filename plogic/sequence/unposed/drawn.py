@@ -17,6 +17,7 @@ import numpy as np
 
 from geometry.arrays import Floats, Indices, Mask
 from geometry.camera import Camera
+from geometry.cones import even_directions
 from kb.clouds.lobes import in_lobe
 from plogic.sequence.next_view.expected import Body, Cloud
 
@@ -69,9 +70,7 @@ class Prior:
     @cached_property
     def directions(self) -> Floats:
         """(D, 3) unit, evenly over the sphere."""
-        z = 1.0 - (2.0 * np.arange(DIRECTIONS) + 1.0) / DIRECTIONS
-        around, r = np.pi * (1.0 + 5.0**0.5) * np.arange(DIRECTIONS), np.sqrt(1.0 - z * z)
-        return np.stack([r * np.cos(around), r * np.sin(around), z], axis=1)
+        return even_directions(DIRECTIONS)
 
     @cached_property
     def _cells(self) -> Any:  # noqa: ANN401 - scipy ships no types
