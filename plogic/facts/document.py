@@ -337,8 +337,13 @@ class TrueRow(TypedDict):
 
 
 class TruthRow(TypedDict):
-    """``truth/1``, beside a scene; ``complete``: whether every object of a known type is listed."""
+    """``truth/1``, beside a scene; ``complete``: whether every object of a known type is listed.
+
+    ``causes``: by the id of each datum of Γ what it is of, ``0/roof/apex`` for a feature of the first of ``objects``,
+    or ``noise``.
+    """
 
     format: Literal["truth/1"]
     objects: list[TrueRow]
     complete: NotRequired[bool]
+    causes: NotRequired[dict[str, str]]
