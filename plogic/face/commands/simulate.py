@@ -16,7 +16,7 @@ from kb.clouds.cloud import KnowledgeBase, ObjectType
 from plogic.base.errors import InputError
 from plogic.face.commands.scene_types import Standing, box_of, checked_names, drawn, framed, standing
 from plogic.run.bop.write import Kind, write_dataset
-from plogic.run.simulated_gamma import Obstacle, Posed, check_written, simulated_gamma
+from plogic.run.simulated_gamma import Obstacle, Posed, Reported, check_written, simulated_gamma
 from plogic.run.sources import kb_of
 from sensing.files.gamma_files import gamma_to_dict
 from sensing.files.whole_files import check_new_folder, write_folder
@@ -31,7 +31,6 @@ MOST_VIEWS = 360
 """Of a ring."""
 DEFAULT_OBJECTS = 2
 GAMMA_STREAM = 5
-"""Of the seed: the random numbers of a detector are none of those that place things."""
 
 
 @dataclass(frozen=True)
@@ -76,12 +75,10 @@ def simulate_command(
     kinds = checked_names(kb, wanted.names)
     if wanted.gamma:
         check_written(kb, [kind.name for kind in kinds])
-    standings = [
-        standing(kind, box_of(kind) if wanted.gamma and kind.mesh_file is None else _mesh(kind)) for kind in kinds
-    ]
+    standings = standings_of(kinds, boxes=wanted.gamma)
     if bop is not None:
         _write_bop(kb, standings, [seed + i for i in range(bop_images)], wanted, bop)
-    scene = _scene(kb, standings, wanted, seed, say)
+    scene = scene_of(kb, standings, wanted, seed, say)
     if robot is not None:
         _tour(scene, robot, out, _gamma_files(kb, seed) if wanted.gamma else None)
     elif wanted.gamma:
@@ -110,7 +107,12 @@ def _views(moves: str) -> int:
     raise InputError(f"--robot {moves}: should be a file of moves, or ring:N with N from 1 to {MOST_VIEWS}")
 
 
-def _scene(
+def standings_of(kinds: Sequence[ObjectType], *, boxes: bool = False) -> list[Standing]:
+    """What is put down for each type; ``boxes``: a box for one without a mesh. Else raises InputError for such a one."""
+    return [standing(kind, box_of(kind) if boxes and kind.mesh_file is None else _mesh(kind)) for kind in kinds]
+
+
+def scene_of(
     kb: KnowledgeBase,
     standings: Sequence[Standing],
     wanted: Wanted,
@@ -134,15 +136,25 @@ def _framing(
     return framed(standings, focal=focal, f_ref=kb.f_ref, distance=wanted.distance, size_px=wanted.size_px, say=say)
 
 
+def reported_of(kb: KnowledgeBase, scene: Scene, rng: np.random.Generator) -> Reported:
+    """What detectors as good as the KB says report of a scene."""
+    rows = list(zip(scene.bodies, scene.camera_from_bodies, strict=True))
+    typed = [Posed(body.label, pose) for body, pose in rows if body.label is not None]
+    others = [Obstacle(RayMesh(b.mesh.vertices, b.mesh.triangles), pose) for b, pose in rows if b.label is None]
+    return simulated_gamma(kb, typed, scene.camera, rng, others)
+
+
+def noise_of(seed: int) -> np.random.Generator:
+    """The random numbers of the detectors of a scene, which are none of those that place things."""
+    return np.random.default_rng([seed, GAMMA_STREAM])
+
+
 def _gamma_files(kb: KnowledgeBase, seed: int) -> Callable[[Scene], Mapping[str, bytes]]:
     """What makes gamma.json, camera.json and truth.json of a scene; each look has noise that no other has."""
-    rng = np.random.default_rng([seed, GAMMA_STREAM])
+    rng = noise_of(seed)
 
     def files(scene: Scene) -> Mapping[str, bytes]:
-        rows = list(zip(scene.bodies, scene.camera_from_bodies, strict=True))
-        typed = [Posed(body.label, pose) for body, pose in rows if body.label is not None]
-        others = [Obstacle(RayMesh(b.mesh.vertices, b.mesh.triangles), pose) for b, pose in rows if b.label is None]
-        reported = simulated_gamma(kb, typed, scene.camera, rng, others)
+        reported = reported_of(kb, scene, rng)
         return {
             "gamma.json": json_bytes(gamma_to_dict(reported.gamma)),
             "camera.json": json_bytes(camera_to_dict(scene.camera)),
@@ -156,7 +168,7 @@ def _write_bop(
     kb: KnowledgeBase, standings: Sequence[Standing], seeds: Sequence[int], wanted: Wanted, folder: Path
 ) -> None:
     kinds = [Kind(s.label, s.mesh, kb.type(s.label).symmetries) for s in standings]
-    write_dataset((_scene(kb, standings, wanted, seed) for seed in seeds), kinds, folder)
+    write_dataset((scene_of(kb, standings, wanted, seed) for seed in seeds), kinds, folder)
 
 
 def _check_apart(out: Path, bop: Path) -> None:
