@@ -210,21 +210,31 @@ def _object_lines(name: str, vertices: Floats, panels: Sequence[Panel], reach: s
     yield "features:"
     for v, at in enumerate(vertices):
         normals = [frame(vertices[list(p.loop)])[2] for p in panels if v in p.loop]
-        yield from _feature(
-            f"corner{v}", "corner", at, np.sum(normals, axis=0), JUNCTIONS, f"half_angle: {CORNER}, range: {reach}"
-        )
+        arms = [f"    arms: [{', '.join(_row(arm, 2) for arm in _arms(vertices, panels, v))}]"]
+        lobe = f"half_angle: {CORNER}, range: {reach}"
+        yield from _feature(f"corner{v}", "corner", at, np.sum(normals, axis=0), JUNCTIONS, lobe, arms)
     for panel in panels:
         for mark in panel.windows:
             normal = frame(vertices[list(panel.loop)])[2]
-            yield from _feature(
-                mark.name, "mark", mark.centre, normal, ("patch",), f"half_angle: {MARK}, range: {reach}"
-            )
+            lobe = f"half_angle: {MARK}, range: {reach}"
+            yield from _feature(mark.name, "mark", mark.centre, normal, ("patch",), lobe)
 
 
-def _feature(name: str, kind: str, at: Floats, axis: Floats, looks: Sequence[str], lobe: str) -> Iterator[str]:
+def _arms(vertices: Floats, panels: Sequence[Panel], v: int) -> list[Floats]:
+    """Unit directions of the edges that leave a corner."""
+    ends = {
+        w for p in panels for a, b in zip(p.loop, p.loop[1:] + p.loop[:1], strict=True) for w in (a, b) if v in (a, b)
+    }
+    return [(vertices[w] - vertices[v]) / np.linalg.norm(vertices[w] - vertices[v]) for w in sorted(ends - {v})]
+
+
+def _feature(
+    name: str, kind: str, at: Floats, axis: Floats, looks: Sequence[str], lobe: str, more: Sequence[str] = ()
+) -> Iterator[str]:
     yield f"  - feature: {name}"
     yield f"    type: {kind}"
     yield f"    at: {_row(at, 5)}"
+    yield from more
     yield "    appearances:"
     for look in looks:
         yield f"      - {{type: {look}, lobe: {{axis: {_row(axis, 2)}, {lobe}}}}}"

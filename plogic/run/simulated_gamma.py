@@ -3,7 +3,8 @@
 A feature is reported where D7 expects it: in the image, its viewpoint in one of its lobes, hidden by no opaque object,
 itself among them. Of these as many as the type's hit rate says are reported, with the location noise of the type and,
 where ``sigma_angle`` is stated, an angle; as one of the appearance types whose lobe holds the viewpoint, each as likely
-as the others, for Σ does not say how they share. Clutter is as frequent as its rates, anywhere in the image.
+as the others, for Σ does not say how they share. Of a feature with ``arms`` those that nothing hides are reported, too.
+Clutter is as frequent as its rates, anywhere in the image, at any angle.
 
 * ``Posed``: one object, ``Posed("box", camera_from_object)``
 * ``Reported``: Γ, and which datum is of which feature of which object
@@ -22,7 +23,7 @@ from kb.clouds.lobes import in_lobe
 from plogic.base.errors import InputError
 from plogic.match.gamma.data import data_of
 from plogic.match.gamma.grid import screen_angle
-from plogic.match.judged.expectation import hidden_by, pose_of
+from plogic.match.judged.expectation import pose_of
 from sensing.appearance import Appearance, Gamma
 
 if TYPE_CHECKING:
@@ -40,6 +41,11 @@ NOISE = "noise"
 SLACK = 0.004
 """Of its size, how far a body that is no type's must be before a place to hide it."""
 DIGITS = 3
+ALONG = 0.05
+"""Of the type's size, how far along an arm it must be seen to be reported."""
+READ = 10.0
+"""Pixels along which a detector reads an arm: its direction is off by the location noise over this length."""
+FULL = 2.0 * np.pi
 
 
 class Posed(NamedTuple):
@@ -90,13 +96,14 @@ def simulated_gamma(
     rows = [
         (f"{which}/{one.object_type.seen_features[f].name}", datum)
         for which, one in enumerate(posed)
-        for f, datum in _of_one(kb, one, _hidden(one, posed, obstacles), camera, rng)
+        for f, datum in _of_one(kb, one, [other for other in posed if other is not one], obstacles, camera, rng)
     ]
     rows += [(NOISE, datum) for datum in _clutter(kb, camera, rng)]
     order = rng.permutation(len(rows))
     named = {f"a{n}": rows[i] for n, i in enumerate(order, 1)}
     data_named = tuple(
-        Appearance(name, datum.type, datum.uv, DETECTOR, angle=datum.angle) for name, (_, datum) in named.items()
+        Appearance(name, datum.type, datum.uv, DETECTOR, angle=datum.angle, arms=datum.arms)
+        for name, (_, datum) in named.items()
     )
     return Reported(Gamma(camera, data_named), {name: cause for name, (cause, _) in named.items()})
 
@@ -105,24 +112,20 @@ class _Datum(NamedTuple):
     type: str
     uv: tuple[float, float]
     angle: float | None
-
-
-def _hidden(one: Hypothesis, posed: Sequence[Hypothesis], obstacles: Sequence[Obstacle]) -> Mask:
-    """(F,) features of one object that others hide."""
-    hidden = np.zeros(len(one.at), bool)
-    for other in posed:
-        if other is not one and other.opaque:
-            hidden |= hidden_by(one, other)
-    for rays, pose in obstacles:
-        hidden |= behind(one.at, rays, pose, SLACK * rays.size)
-    return hidden
+    arms: tuple[float, ...]
 
 
 def _of_one(
-    kb: KnowledgeBase, one: Hypothesis, hidden: Mask, camera: Camera, rng: np.random.Generator
+    kb: KnowledgeBase,
+    one: Hypothesis,
+    others: Sequence[Hypothesis],
+    obstacles: Sequence[Obstacle],
+    camera: Camera,
+    rng: np.random.Generator,
 ) -> list[tuple[int, _Datum]]:
     """(feature, datum) of those that are reported; noise may lead what is near the border out of the image."""
     kind, table = one.object_type, one.object_type.lobes
+    hidden = _hidden(one.at, others, obstacles)
     viewpoint = inverse(one.camera_from_object)[:3, 3]
     held = in_lobe(table, viewpoint[None], camera.f / kb.f_ref)[0]
     found = []
@@ -131,10 +134,43 @@ def _of_one(
         looks = sorted({table.types[lobe] for lobe in np.flatnonzero(held & (table.feature == f))})
         hit, look = rng.random() < kb.rates.hit[feature.type], looks[rng.integers(len(looks))]
         uv = one.uv[f] + rng.normal(0.0, kb.rates.sigma_of(feature.type), 2)
-        angle = _angle(kb, one, f, rng)
+        angle, arms = _angle(kb, one, f, rng), _arms(kb, one, f, [one, *others], obstacles, rng)
         if hit and bool(camera.contains(uv)):
-            found.append((f, _Datum(look, _rounded(uv), angle)))
+            found.append((f, _Datum(look, _rounded(uv), angle, arms)))
     return found
+
+
+def _hidden(at: Floats, bodies: Sequence[Hypothesis], obstacles: Sequence[Obstacle]) -> Mask:
+    """(N,) which places (N, 3) m, camera frame, opaque bodies hide."""
+    opaque = [(one.object_type.surface, one.camera_from_object) for one in bodies if one.opaque]
+    shapes = [(surface.rays, pose, surface.diameter) for surface, pose in opaque if surface is not None]
+    hidden = np.zeros(len(at), bool)
+    for rays, pose, size in [*shapes, *((rays, pose, rays.size) for rays, pose in obstacles)]:
+        hidden |= behind(at, rays, pose, SLACK * size)
+    return hidden
+
+
+def _arms(
+    kb: KnowledgeBase,
+    one: Hypothesis,
+    f: int,
+    bodies: Sequence[Hypothesis],
+    obstacles: Sequence[Obstacle],
+    rng: np.random.Generator,
+) -> tuple[float, ...]:
+    """How the arms of a feature that are seen lie on the screen, radians, ascending."""
+    feature, surface = one.object_type.seen_features[f], one.object_type.surface
+    if not len(feature.arms) or surface is None:
+        return ()
+    arms = feature.arms @ one.camera_from_object[:3, :3].T
+    seen = ~_hidden(one.at[f] + ALONG * surface.diameter * arms, bodies, obstacles)
+    turned = screen_angle(arms, one.at[f]) + rng.normal(0.0, kb.rates.sigma_of(feature.type) / READ, len(arms))
+    return _directions(turned[seen])
+
+
+def _directions(angles: Floats) -> tuple[float, ...]:
+    """Angles (N,) as a detector reports arms."""
+    return tuple(sorted(round(float(angle), DIGITS + 1) for angle in angles % FULL))
 
 
 def _angle(kb: KnowledgeBase, one: Hypothesis, f: int, rng: np.random.Generator) -> float | None:
@@ -143,13 +179,25 @@ def _angle(kb: KnowledgeBase, one: Hypothesis, f: int, rng: np.random.Generator)
         return None
     x_axis = one.camera_from_object[:3, :3] @ one.object_type.seen_features[f].rotation[:, 0]
     turned = float(screen_angle(x_axis, one.at[f])) + rng.normal(0.0, kb.rates.sigma_angle)
-    return round(float(turned % (2.0 * np.pi)), DIGITS + 1)
+    return round(float(turned % FULL), DIGITS + 1)
 
 
 def _clutter(kb: KnowledgeBase, camera: Camera, rng: np.random.Generator) -> list[_Datum]:
+    """What nothing causes; of a look that some feature with arms has, with as many arms as such features have."""
     corner = np.array([camera.width, camera.height]) - 0.5
+    armed: dict[str, list[int]] = {}
+    for feature in (f for kind in kb.types for f in kind.seen_features if len(f.arms)):
+        for name in {appearance.type for appearance in feature.appearances}:
+            armed.setdefault(name, []).append(len(feature.arms))
+
+    def arms(name: str) -> tuple[float, ...]:
+        if name not in armed:
+            return ()
+        most = armed[name][rng.integers(len(armed[name]))]
+        return _directions(rng.uniform(0.0, FULL, rng.integers(min(2, most), most, endpoint=True)))
+
     return [
-        _Datum(name, _rounded(rng.uniform(-0.5, corner)), _any_angle(kb, rng))
+        _Datum(name, _rounded(rng.uniform(-0.5, corner)), _any_angle(kb, rng), arms(name))
         for name in kb.appearance_types
         for _ in range(rng.poisson(kb.rates.clutter[name]))
     ]

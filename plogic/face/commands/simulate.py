@@ -108,7 +108,7 @@ def _views(moves: str) -> int:
 
 
 def standings_of(kinds: Sequence[ObjectType], *, boxes: bool = False) -> list[Standing]:
-    """What is put down for each type; ``boxes``: a box for one without a mesh. Else raises InputError for such a one."""
+    """What is put down for each type; ``boxes``: a box for one without a mesh, which else is an InputError."""
     return [standing(kind, box_of(kind) if boxes and kind.mesh_file is None else _mesh(kind)) for kind in kinds]
 
 
