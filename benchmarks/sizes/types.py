@@ -34,11 +34,12 @@ name: {name}
 appearance_types: [l_junction, y_junction, arrow_junction, t_junction, multi_junction, patch]
 f_ref: 600
 detector:
-  hit: {{corner: 0.8, mark: 0.9}}
-  clutter: {{l_junction: 8, y_junction: 0.5, arrow_junction: 1, t_junction: 7, multi_junction: 1, patch: 1.5}}
+  hit: {{corner: 0.88, mark: 0.97}}
+  clutter: {{l_junction: 7, y_junction: 0.5, arrow_junction: 1.3, t_junction: 10, multi_junction: 0.8, patch: 1.1}}
   sigma: 0.5
   match_tolerance: 3.0
 """
+"""Rates are what `plogic kb learn-rates` counts in eight pictures of each (seeds from 1000, which no scene uses)."""
 
 Place = tuple[float, float]
 
