@@ -125,12 +125,15 @@ def framed(
     """The framing of a scene with these; ``focal``: the camera's, pixels.
 
     ``distance`` (m), or ``size_px``, how long the largest is in the picture, say where the camera stands; else it
-    stands as near and as far as shows each well, and no farther than their features are seen.
+    stands as near and as far as shows each well, and no farther than their features are seen. Of types that are too far
+    apart in size for that, the largest counts.
 
     Raises InputError for a distance at which nothing can be drawn.
     """
     largest = max(s.largest for s in standings)
     framing = framing_of(largest, max(s.broadest for s in standings))
+    if largest > APART * min(s.largest for s in standings):
+        framing = replace(framing, cover=None)
     if distance is None and size_px is None:
         framing = _within_ranges(framing, standings, focal / f_ref)
         _tell_out_of_range(standings, framing.distance[0] * framing.unit, focal / f_ref, say)
