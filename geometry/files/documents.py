@@ -9,7 +9,7 @@ import sys
 from collections import Counter
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import Any, NamedTuple, get_args
 
 from geometry.errors import Keys, Mistake
 from geometry.files.plain_files import name_of, text_of
@@ -38,9 +38,16 @@ class Document(NamedTuple):
         found = places(self.text, mistakes) if self.text else [""] * len(mistakes)
         return [f"{self.name}{place}" for place in found]
 
-    def against(self, shape: object) -> list[Mistake]:
-        """Every mistake against a shape."""
-        return list(check_of(shape)(self.data))
+    def against(self, shape: Any) -> list[Mistake]:  # noqa: ANN401 - a type
+        """Every mistake against a shape; of a document of quite another format that alone."""
+        found = list(check_of(shape)(self.data))
+        return [mistake for mistake in found if mistake.place == ("format",)] if self.is_other(shape) else found
+
+    def is_other(self, shape: Any) -> bool:  # noqa: ANN401 - a TypedDict
+        """Whether the document says that it is of another format, not of another version of this one."""
+        (wanted,) = get_args(shape.__annotations__["format"])
+        said = self.data.get("format") if isinstance(self.data, dict) else None
+        return isinstance(said, str) and said.partition("/")[0] != wanted.partition("/")[0]
 
 
 def read_json(

@@ -96,7 +96,7 @@ def _gamma(document: Document, vocabulary: Collection[str] | None) -> Gamma:
     wrong = [
         mistake for mistake in document.against(GammaRow) if mistake.place[:1] != ("camera",) or len(mistake.place) < 2
     ]
-    given = document.data if isinstance(document.data, dict) else {}
+    given = document.data if isinstance(document.data, dict) and not document.is_other(GammaRow) else {}
     camera_wrong = camera_mistakes(given["camera"], ("camera",)) if isinstance(given.get("camera"), dict) else []
     camera = None if camera_wrong or not isinstance(given.get("camera"), dict) else camera_from_dict(given["camera"])
     wrong += camera_wrong + _content_mistakes(given.get("appearances"), camera, vocabulary)

@@ -185,7 +185,7 @@ def read_stereo(path: Path | str) -> Calibration:
     """The calibration of a file. Raises CameraError, a line a mistake."""
     must_be_plain(path, CameraError, LARGEST)
     document = read_json(path, LARGEST, HOLDS, CameraError, single=True)
-    given = document.data if isinstance(document.data, dict) else {}
+    given = document.data if isinstance(document.data, dict) and not document.is_other(StereoRow) else {}
     sides = [side for side in ("left", "right") if side in given]
     wrong = [mistake for mistake in document.against(StereoRow) if mistake.place[:1] not in {("left",), ("right",)}]
     wrong += [mistake for side in sides for mistake in camera_mistakes(given[side], (side,))]
