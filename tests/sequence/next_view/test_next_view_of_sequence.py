@@ -95,7 +95,10 @@ def test_what_the_worlds_of_a_sequence_do_not_say_is_refused(tmp_path, options, 
 @pytest.mark.parametrize(
     ("spoil", "says"),
     [
-        (lambda d: d.pop("rivals"), "rivals: is missing: should be a list, each a list of 2, each a text; if it is an older one, perceive the sequence again"),
+        (
+            lambda d: d.pop("rivals"),
+            "rivals: is missing: should be a list, each a list of 2, each a text; if it is an older one, perceive the sequence again",
+        ),
         (lambda d: d.update(views=[]), "views: there is none"),
         (
             lambda d: d["views"][0].update(T_world_camera=[[1, 0, 0, 0]]),
