@@ -1,4 +1,4 @@
-"""Every mistake that a document makes against its shape (``geometry.json_shapes``), found by checks made of the shape."""
+"""Every mistake that a document makes against its shape (``geometry.json_shapes``)."""
 
 from collections.abc import Callable, Iterable, Sequence
 from functools import cache
