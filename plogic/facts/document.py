@@ -360,11 +360,7 @@ class TrueRow(TypedDict):
 
 
 class TruthRow(TypedDict):
-    """``truth/1``, beside a scene; ``complete``: whether every object of a known type is listed.
-
-    ``causes``: by the id of each datum of Γ what it is of, ``0/roof/apex`` for a feature of the first of ``objects``,
-    or ``noise``.
-    """
+    """``truth/1``, beside a scene; ``complete``: whether every object of a known type is listed."""
 
     format: Literal["truth/1"]
     objects: Annotated[list[TrueRow], "The objects."]
