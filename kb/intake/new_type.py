@@ -222,9 +222,9 @@ def _simplified(mended: Repaired) -> list[str]:
 
 
 def _open(mended: Repaired) -> str:
+    """What is known of a surface that is not closed: what A4 makes of it, or why nothing."""
     what = f" ({mended.left} larger holes left open)" if mended.left else ""
-    refused = mended.surface.mended.refused
-    return f"  not closed{what}: {mended.surface.faults}; refused as a solid: {refused}; it hides what is behind it, A4 says nothing of it"
+    return f"  not closed{what}: {mended.surface.caution}"
 
 
 def _symmetries(document: dict[str, Any]) -> list[str]:

@@ -21,7 +21,7 @@ from kb.intake.bop_models import bop_models, bop_symmetries
 from kb.intake.new_type import EDITOR_LINE, NewType, check_name, new_kb_files, new_type, schema_files
 from kb.intake.robots import merged, sdf_visuals, urdf_visuals
 from kb.intake.source import read_source
-from kb.shown.cautions import FIXING_A_POSE
+from kb.shown.seen_from import FIXING_A_POSE
 from plogic.base.errors import InputError
 from plogic.run.sources import kb_of
 from plogic.sequence.constancy.panorama_reading import unknown_of

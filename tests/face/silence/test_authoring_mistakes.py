@@ -43,20 +43,31 @@ def kept(count):
 
     def spoil(files):
         rows = files[TYPE].split("  - feature:")
-        files[TYPE] = "  - feature:".join(rows[: count + 1])
+        files[TYPE] = "  - feature:".join(rows[: count + 1]) if count else rows[0].replace("features:", "features: []")
+        files["kb.yaml"] = files["kb.yaml"].replace("  hit: {corner: 0.9, sticker: 0.9}\n", "")
+
+    return spoil
+
+
+def kept_last(count):
+    """A spoiler: a corner and the last features alone."""
+
+    def spoil(files):
+        rows = files[TYPE].split("  - feature:")
+        files[TYPE] = "  - feature:".join([*rows[:2], *rows[1 - count :]])
 
     return spoil
 
 
 def inward(files):
-    files[TYPE] = re.sub(
-        r"axis: \[([^\]]+)\]", lambda m: f"axis: {[-float(x) for x in m[1].split(',')]}", files[TYPE]
-    )
+    files[TYPE] = re.sub(r"axis: \[([^\]]+)\]", lambda m: f"axis: {[-float(x) for x in m[1].split(',')]}", files[TYPE])
 
 
 def on_a_line(files):
     places = iter(range(100))
-    files[TYPE] = re.sub(r"(?<=    at: )\[[^\]]+\]", lambda _: f"[{-0.15 + 0.02 * next(places):g}, -0.1, 0]", files[TYPE])
+    files[TYPE] = re.sub(
+        r"(?<=    at: )\[[^\]]+\]", lambda _: f"[{-0.15 + 0.02 * next(places):g}, -0.1, 0]", files[TYPE]
+    )
 
 
 def open_mesh(files):
@@ -91,7 +102,10 @@ MISTAKES = {
     "an empty kb.yaml": (lambda files: files.update({"kb.yaml": ""}), "kb.yaml:1:1: the file is empty"),
     "a misspelt key": (edited(TYPE, ("opaque:", "opaqe:")), "object.yaml:3:1: opaqe: unknown key"),
     "no lobe": (
-        edited(TYPE, ("{type: corner, lobe: {axis: [-1, -1, -1], half_angle: 126 deg, range: [0.2 m, 5 m]}}", "{type: corner}")),
+        edited(
+            TYPE,
+            ("{type: corner, lobe: {axis: [-1, -1, -1], half_angle: 126 deg, range: [0.2 m, 5 m]}}", "{type: corner}"),
+        ),
         "missing key 'lobe'",
     ),
     "degrees that are taken for radians": (edited(TYPE, ("126 deg", "126")), "half_angle: "),
@@ -105,20 +119,26 @@ MISTAKES = {
     "one place in centimetres": (edited(TYPE, ("[0.04, 0.1, 0.09]", "[4, 10, 9]")), "north is off the mesh by"),
     "all lobes look inward": (inward, "look inward"),
     "one lobe looks inward": (edited(TYPE, ("axis: [1, 0, 0]", "axis: [-1, 0, 0]")), "the lobe of east looks inward"),
-    "an unknown appearance type": (edited(TYPE, ("{type: sticker", "{type: stiker")), "unknown appearance type 'stiker'"),
-    "two types of one name": (second_box, "'box' is the name of another"),
-    "two features of one name": (edited(TYPE, ("feature: north", "feature: east")), "'east' is the name of another feature"),
-    "no features": (kept(0), "box: "),
-    "three features": (kept(3), "has 3 features, and a pose is taken from 4"),
+    "an unknown appearance type": (
+        edited(TYPE, ("{type: sticker", "{type: stiker")),
+        "unknown appearance type 'stiker'",
+    ),
+    "two types of one name": (second_box, "'box' is also the object of objects/box/object.yaml"),
+    "two features of one name": (
+        edited(TYPE, ("feature: north", "feature: east")),
+        "'east' is the name of another part",
+    ),
+    "no features": (kept(0), "box: has no features, so it is never found"),
+    "three features": (kept_last(3), "has 3 features, and a pose is taken from 4"),
     "one feature type": (kept(8), "every feature is of type 'corner'"),
     "lobes that never meet": (edited(TYPE, ("126 deg", "2 deg"), ("75 deg", "2 deg")), "its lobes never meet"),
-    "ranges in centimetres stated as metres": (edited(TYPE, ("[0.2 m, 5 m]", "[20 m, 500 m]")), "smaller than"),
+    "ranges in centimetres stated as metres": (edited(TYPE, ("[0.2 m, 5 m]", "[200 m, 500 m]")), "smaller than"),
     "ranges that end within the type": (edited(TYPE, ("[0.2 m, 5 m]", "[2 mm, 50 mm]")), "range ends"),
     "features on one line": (on_a_line, "on one line"),
     "a prior of no type": (edited("kb.yaml", ("priors: {box", "priors: {bux")), "bux"),
     "an axis without a direction": (edited(TYPE, ("axis: [0, 0, 1]", "axis: [0, 0, 0]")), "axis"),
     "noise beyond the tolerance": (edited("kb.yaml", ("sigma: 1.0", "sigma: 12")), "sigma"),
-    "rules that exclude everything": (with_rules("constraint(never) :- fail.\n"), "constraint(never)"),
+    "rules that exclude everything": (with_rules("constraint(never).\n"), "constraint(never)"),
     "rules that do not parse": (with_rules("near(X) :- .\n"), "rules.pl:1:"),
 }
 
