@@ -141,8 +141,8 @@ def cautions(kb: KnowledgeBase) -> Iterator[str]:
 
 def _of_type(kind: ObjectType, f_ref: float) -> Iterator[str]:
     if not kind.features:
-        yield "has no features, so it is never found; learn them: plogic kb learn"
         yield from _of_mesh(kind)
+        yield "has no features, so it is never found; learn them: plogic kb learn"
         return
     unfit = [] if kind.learned is not None else list(misfits(kind, f_ref))
     yield from unfit
