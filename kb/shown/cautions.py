@@ -124,22 +124,37 @@ MOST_TYPES = 60
 
 def cautions(kb: KnowledgeBase) -> Iterator[str]:
     """A sentence about each, the KB's own first, then by type."""
-    sorts = {feature.type for kind in kb.types for feature in kind.all_features}
-    if len(sorts) == 1:
-        yield f"every feature is of type {sorts.pop()!r}, so that every dv is 0 and ev is undefined: nothing will be accepted"
-    rates = kb.rates
-    wide = {name: rates.sigma_of(name) for name in sorted(sorts) if rates.sigma_of(name) > rates.match_tolerance}
-    if wide:
-        name, sigma = max(wide.items(), key=lambda item: item[1])
-        what = f"sigma of {name} is {sigma:g} pixels, more than match_tolerance, {rates.match_tolerance:g}"
-        yield f"{what}: most correct data are too far off to be matched; raise match_tolerance in kb.yaml to {3.0 * sigma:g} or so"
+    alike = one_feature_type(kb)
+    if alike:
+        yield alike
+    yield from _of_noise(kb)
     for kind in kb.types:
-        yield from (f"{kind.name}: {text}" for text in _of_type(kind, kb.f_ref))
+        yield from (f"{kind.name}: {text}" for text in of_type(kind, kb.f_ref))
     yield from _contained(tuple(kind for kind in kb.types if kind.learned is None)[:MOST_TYPES])
     yield from _same_clouds([kind for kind in kb.types if kind.learned is not None])
 
 
-def _of_type(kind: ObjectType, f_ref: float) -> Iterator[str]:
+def one_feature_type(kb: KnowledgeBase) -> str:
+    """That all features are of one type, so that no ev is defined; '' where they are of more, or there are none."""
+    sorts = {feature.type for kind in kb.types for feature in kind.all_features}
+    if len(sorts) != 1:
+        return ""
+    return (
+        f"every feature is of type {sorts.pop()!r}, so that every dv is 0 and ev is undefined: nothing will be accepted"
+    )
+
+
+def _of_noise(kb: KnowledgeBase) -> Iterator[str]:
+    """Where places are noisier than they may be, the worst type."""
+    sorts = sorted({feature.type for kind in kb.types if kind.learned is None for feature in kind.all_features})
+    sigma, name = max(((kb.rates.sigma_of(name), name) for name in sorts), default=(0.0, ""))
+    if sigma > kb.rates.match_tolerance:
+        what = f"sigma of {name} is {sigma:g} pixels, more than match_tolerance, {kb.rates.match_tolerance:g}"
+        yield f"{what}: most correct data are too far off to be matched; raise match_tolerance in kb.yaml to {3.0 * sigma:g} or so"
+
+
+def of_type(kind: ObjectType, f_ref: float) -> Iterator[str]:
+    """A sentence about each thing in one type; ``f_ref`` pixels: the focal length that its ranges hold for."""
     if not kind.features:
         yield from _of_mesh(kind)
         yield "has no features, so it is never found; learn them: plogic kb learn"
