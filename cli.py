@@ -39,7 +39,7 @@ from plogic.face.shown.options import (
     say,
 )
 
-SIZED = "places", "scale", "panorama", "stereo", "constancy", "look-again", "occlusion"
+SIZED = "places", "scale", "panorama", "stereo", "constancy", "look-again", "occlusion", "attention"
 BENCHES = "towers", "worlds", "recognition", "box", "clutter", "many", "calibration", "batch", *SIZED
 NO_MEMORY = "failed to map segment", "Cannot allocate memory", "Insufficient memory", "can't start new thread"
 """What libraries say in whose errors memory ran out."""

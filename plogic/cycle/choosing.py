@@ -23,8 +23,8 @@ from plogic.match.judged.rivals import (
     SHARED_CLAIMS,
     apart_on_screen,
     contacts,
-    excludes,
     hidden_among,
+    in_the_way,
     moved_apart,
     shared_claims,
 )
@@ -172,7 +172,7 @@ def exchanged(task: Task, state: State) -> State:
     accepted first may stand in the way of what explains more.
     """
     for rival in sorted(state.rivals, key=lambda h: -h.worth):
-        excluded = [h for h in state.accepted if excludes(rival, h)]
+        excluded = [h for h in state.accepted if in_the_way(rival, h)]
         enough = state.stable.weight + task.models[rival.type].significance(rival)
         by_volume = all(shared_claims(rival, h)[1] <= SHARED_CLAIMS for h in excluded)
         for lost in ([], excluded) if by_volume and excluded else (excluded,):

@@ -7,9 +7,9 @@ import numpy as np
 from geometry.arrays import Floats, Indices, Mask
 from geometry.poses.refine import Steps, refined_poses
 from plogic.match.gamma.data import Columns, Data, centre_of, viewpoints_of
+from plogic.match.hand.distance_maps import DistanceMaps
 from plogic.match.hand.place_index import PlaceIndex
 from plogic.match.hand.place_votes import turn_z_to
-from plogic.match.hand.view_cells import DistanceMaps
 from plogic.match.judged.expectation import FEWEST
 
 ROUNDS = ((0.06, 1.0), (0.035, 0.6), (0.02, 0.4), (0.0, 0.4))

@@ -188,6 +188,12 @@ def excludes(one: Hypothesis, other: Hypothesis) -> bool:
     return overlap(one, other) or shared_claims(one, other)[1] > SHARED_CLAIMS
 
 
+def in_the_way(one: Hypothesis, other: Hypothesis) -> bool:
+    """Whether it stands in the place of another, by what excludes both, or hides most of what that shows."""
+    shown = one.candidate
+    return excludes(one, other) or bool((hidden_by(one, other) & shown).sum() > SHARED_CLAIMS * max(1, shown.sum()))
+
+
 DEEP = 0.001
 """Metres by which two accepted objects may reach into each other."""
 SPARE = 0.1
