@@ -14,7 +14,7 @@ import numpy as np
 
 from benchmarks.attention.learned import learned_kb, pictures
 from benchmarks.places.scenes import scene
-from benchmarks.places.types import places_kb
+from benchmarks.places.types import LOOKS, places_kb
 from benchmarks.recognition.score import Found, tally
 from benchmarks.shared.claims import Claim, report
 from plogic.base.clock import Stopwatch
@@ -36,11 +36,13 @@ SCENES, QUICK_SCENES = 30, 4
 OF_ONE = 10
 """Scenes of a knowledge base of types by hand; then another is drawn."""
 TYPES, THERE = 100, (3, 3)
+VOCABULARIES = LOOKS, (30, 30), (100, 100)
+"""Least and most appearance types of the knowledge bases by hand: the fewer, the less rank tells."""
 BAR = 0.6
 FOR_EVER = 1e9
 """Seconds."""
 CAPTION = """\
-Three objects, of 100 types modelled by hand (as of `bench places`: places alone, six to ten appearance types) and of twenty learned ones. The cycle
+Three objects, of 100 types modelled by hand (as of `bench places`, with at most so many looks) and of twenty learned ones. The cycle
 runs in the order of attention and in the reversed one; seconds are of the processor, from the votes to the document. place: median place of what is
 there in the order, the first is 1; by rank: the same if rank alone gave the order. same: scenes in which both orders come to the same objects at the
 same places. in half: objects found where the cycle has half of the time (of the wall) that it took in the order of attention."""
@@ -91,8 +93,12 @@ def run(
     ``learn`` gives the knowledge base of learned types, None where there is none.
     """
     count = scenes or (QUICK_SCENES if quick else SCENES)
-    by_hand = [outcome for each in _by_hand(count, types, seed) for outcome in _told(*each, "by hand", say)]
-    rows = [_row(f"{types} by hand", by_hand)]
+    rows = []
+    for looks in VOCABULARIES:
+        what = f"{types} by hand, {looks[1]} looks"
+        rows.append(
+            _row(what, [one for each in _by_hand(count, types, looks, seed) for one in _told(*each, what, say)])
+        )
     learned = None if quick else learn(say, seed)
     if learned is not None:
         outcomes = _told(Perceiver(learned), pictures(learned, count, seed), "learned", say)
@@ -101,9 +107,9 @@ def run(
     return (text if as_json else f"{CAPTION}\n\n{text}"), met
 
 
-def _by_hand(count: int, types: int, seed: int) -> Iterator[tuple[Perceiver, list[Case]]]:
+def _by_hand(count: int, types: int, looks: tuple[int, int], seed: int) -> Iterator[tuple[Perceiver, list[Case]]]:
     for first in range(0, count, OF_ONE):
-        kb = places_kb(types, 1000 * seed + first // OF_ONE)
+        kb = places_kb(types, 1000 * seed + first // OF_ONE, looks)
         some = range(first, min(first + OF_ONE, count))
         yield Perceiver(kb), [scene(kb, SCENES * seed + i, THERE) for i in some]
 
