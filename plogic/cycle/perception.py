@@ -236,20 +236,21 @@ NEARLY = 0.5
 def worth_trying(task: Task, state: State) -> dict[str, Mask]:
     """The types that could explain data better than what stands does, each with these data (A,).
 
-    Of what is left all that it votes for; and, of a type that was not tried yet, what is claimed by one of a type that
-    has not many more votes.
+    Of what is left all that it votes for; and, of a type that was not tried yet, what is claimed by one of a type of
+    its kind that has not many more votes.
     """
     left = free(task, state.accepted)
     given, data, found = _given(task, state, []), task.data.only(left), dict[str, Mask]()
     votes = {row.type: row.vote for row in state.attention}
     for models, search in task.searches:
-        found |= dict.fromkeys(search.promising([name for name in votes if name in models], data, given), left)
-    for held in state.accepted:
-        with_it = left.copy()
-        with_it[list(claims(held))] = True
-        for name in votes.keys() - state.tried.keys() - {held.type}:
-            if votes[name] > NEARLY * votes[held.type]:
-                found[name] = found.get(name, left) | with_it
+        names = [name for name in votes if name in models]
+        found |= dict.fromkeys(search.promising(names, data, given), left)
+        for held in (some for some in state.accepted if some.type in models):
+            with_it = left.copy()
+            with_it[list(claims(held))] = True
+            for name in names:
+                if name not in state.tried and name != held.type and votes[name] > NEARLY * votes.get(held.type, 0.0):
+                    found[name] = found.get(name, left) | with_it
     return found
 
 

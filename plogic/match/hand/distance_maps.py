@@ -81,6 +81,10 @@ EMPTY = 0
 """The map of no datum: of infinities."""
 
 
+SPARE = 2**25
+"""Pixels of maps that are kept besides those that are asked for: 256 MB."""
+
+
 @dataclass(eq=False)
 class Drawn:
     """The maps of one Γ, each drawn once: of the data ``whole``, of which some are asked about again and again.
@@ -109,8 +113,8 @@ class Drawn:
         rows, of_set = np.unique(allowed, axis=0, return_inverse=True)
         members = [data.rows[row] for row in rows]
         keys = [some.tobytes() for some in members]
-        if len(self.distance) <= len(self.slot.keys() | set(keys)):
-            self._room(2 * len(keys))
+        if len(self.distance) < len(self.slot.keys() | set(keys)):
+            self._room(len(keys) + min(len(keys), SPARE // self.distance[EMPTY].size))
         for key, some in zip(keys, members, strict=True):
             if key not in self.slot:
                 check()
