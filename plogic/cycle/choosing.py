@@ -20,6 +20,7 @@ from plogic.facts.hypothesis import Hypothesis
 from plogic.match.gamma.data import Data
 from plogic.match.judged.evidence import pose_information
 from plogic.match.judged.rivals import (
+    EVEN,
     SHARED_CLAIMS,
     apart_on_screen,
     contacts,
@@ -212,7 +213,7 @@ Those of ``State.accepted``, where nothing changes.
 def best_first(task: Task, state: State, judged: Sequence[Hypothesis]) -> tuple[Hypothesis, ...]:
     """Δi with the best of the judged that is acceptable, refined beside Δi."""
     left = task.data.only(free(task, state.accepted))
-    for hypothesis in sorted(judged, key=lambda h: -h.worth)[:POLISHED]:
+    for hypothesis in sorted(judged, key=lambda h: -round(h.worth, EVEN))[:POLISHED]:
         task.deadline.check()
         whole = task.models[hypothesis.type].settled_when_found
         if whole and not _hopeful(task, hypothesis):

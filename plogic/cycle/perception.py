@@ -23,7 +23,7 @@ from plogic.cycle.judging import compared, judge, judged, left_over, making_way,
 from plogic.cycle.state import Attention, Cycle, State, Step, Task, Trace, among, considered, free, step_of
 from plogic.cycle.support import supported
 from plogic.facts.hypothesis import Hypothesis
-from plogic.match.judged.rivals import claims, hidden_among
+from plogic.match.judged.rivals import EVEN, claims, hidden_among
 from plogic.match.judged.type_models import Given, TypeModel
 
 TELLING = 0.2
@@ -202,7 +202,7 @@ def match_and_choose(task: Task, state: State, choose: Choice) -> Iterator[State
     for wave in waves(task, state):
         old, turns = {id(proposal.hypothesis) for proposal in state.proposals}, state.turns
         yield (state := judged(task, matched(task, state, wave)))
-        best = sorted(state.proposals, key=lambda p: -p.hypothesis.worth)
+        best = sorted(state.proposals, key=lambda p: -round(p.hypothesis.worth, EVEN))
         most = max(POOL, POOL_OF_TYPE * len(task.models))
         passed = tuple(proposal.hypothesis.bare() for proposal in best[most:])
         state = replace(state, proposals=tuple(best[:most]), passed=(*state.passed, *passed))

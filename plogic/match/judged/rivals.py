@@ -44,10 +44,14 @@ def same_place(object_type: ObjectType, one: Floats, other: Floats) -> bool:
     return bool(rotation < SAME_ROTATION and translation < SAME_PLACE * distance)
 
 
+EVEN = 6
+"""Decimals of evidence to which equal hypotheses, as of a symmetric body, are equal: the first of them counts."""
+
+
 def distinct(scored: Iterable[tuple[float, Hypothesis]], object_type: ObjectType) -> list[tuple[float, Hypothesis]]:
     """The best of each heap of near-duplicates (§8), best first."""
     kept: list[tuple[float, Hypothesis]] = []
-    for worth, posed in sorted(scored, key=lambda pair: -pair[0]):
+    for worth, posed in sorted(scored, key=lambda pair: -round(pair[0], EVEN)):
         if not any(same_place(object_type, posed.camera_from_object, old.camera_from_object) for _, old in kept):
             kept.append((worth, posed))
     return kept
