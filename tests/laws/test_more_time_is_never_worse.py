@@ -87,7 +87,7 @@ def test_more_time_never_makes_the_weight_less(name):
     weights.append(weight(finished(name, "posterior")[0]))
     assert all(less <= more + 1e-9 for less, more in pairwise(weights))
     assert weights[0] == 0.0
-    least = bisect_left(range(cycle_of(name, ENOUGH)[2]), True, key=lambda n: weight(interrupted(name, n)) > 0.0)
+    least = bisect_left(range(cycle_of(name, ENOUGH)[2]), 1, key=lambda n: int(weight(interrupted(name, n)) > 0.0))
     assert 0.0 < weight(interrupted(name, least)) < weights[-1] - 10.0, "it grows step by step"
     assert "the deadline came first" in reasons, "what there was no time to tell says so"
 
