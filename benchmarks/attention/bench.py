@@ -45,8 +45,8 @@ CAPTION = """\
 Three objects, of 100 types modelled by hand (as of `bench places`, with at most so many looks) and of twenty learned ones. The cycle
 runs in the order of attention and in the reversed one; seconds are of the processor, from the votes to the document. place: median place of what is
 there in the order, the first is 1; by rank: the same if rank alone gave the order. same: scenes in which both orders come to the same objects at the
-same places. in half: objects found where the cycle has half of the time (of the wall) that it took in the order of attention. Where many looks are told apart votes leave so few types
-that there is little to order: nothing is claimed of these."""
+same places. in half: objects found where the cycle has half of the time (of the wall) that it took in the order of attention.
+Where many looks are told apart votes leave so few types that there is little to order: nothing is claimed of these."""
 
 
 class Run(NamedTuple):
