@@ -1,13 +1,14 @@
 """The shapes of ``interpretation/1`` and ``truth/1``: every object of a document, with its keys, types and bounds.
 
 The classes are types of what ``json`` reads and writes: a document is checked against them once, where it is read
-(``plogic.base.shapes``), and every function that takes one says which. Keys that older documents lack, and those that
+(``geometry.json_shapes``), and every function that takes one says which. Keys that older documents lack, and those that
 only a writer needs, are not required; the writer tells all of them.
 """
 
 from typing import Annotated, Literal, NotRequired, TypedDict
 
-from plogic.base.shapes import Range, Row, Size
+from geometry.camera import CameraRow, Pose
+from geometry.json_shapes import Row, Size
 from plogic.facts.fact_rows import (
     Chance,
     Count,
@@ -18,7 +19,6 @@ from plogic.facts.fact_rows import (
     Pair,
     Point2,
     Point3,
-    Pose,
     Positive,
     RelatedRow,
     Slightly,
@@ -35,16 +35,6 @@ class KBRow(TypedDict):
 
     name: Name
     digest: Name
-
-
-class CameraRow(TypedDict):
-    """The contract's camera; ``geometry.camera`` says what its numbers must satisfy."""
-
-    width: Annotated[int, Range(1, 65536)]
-    height: Annotated[int, Range(1, 65536)]
-    K: Annotated[list[Annotated[list[float], Size(3)]], Size(3)]
-    dist: NotRequired[Annotated[list[float], Size(0, 14)]]
-    T_world_camera: NotRequired[Pose]
 
 
 class AppearanceRow(TypedDict):

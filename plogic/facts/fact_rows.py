@@ -2,7 +2,7 @@
 
 from typing import Annotated, Literal, NotRequired, TypedDict
 
-from plogic.base.shapes import Range, Row, Size
+from geometry.json_shapes import Range, Row, Size
 from plogic.facts.spatial import View
 
 Name = Annotated[str, Size(0, 10_000)]
@@ -14,8 +14,6 @@ Count = Annotated[int, Range(0)]
 Point2 = Annotated[list[float], Size(2)]
 Point3 = Annotated[list[float], Size(3)]
 Interval = Annotated[list[Slightly], Size(2)]
-Pose = Annotated[list[Annotated[list[float], Size(4)]], Size(4)]
-"""Row-major, metres."""
 Pair = Annotated[list[Name], Size(2)]
 
 

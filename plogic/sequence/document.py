@@ -5,9 +5,10 @@ A sequence of views, each with its interpretation, and what stands in the world 
 
 from typing import Annotated, Literal, NotRequired, TypedDict
 
-from plogic.base.shapes import Size
+from geometry.camera import Pose
+from geometry.json_shapes import Size
 from plogic.facts.document import Interpretation, KBRow, Marks, WorldRow
-from plogic.facts.fact_rows import Chance, Count, Interval, Name, Pair, Point3, Pose, Positive, Slightly
+from plogic.facts.fact_rows import Chance, Count, Interval, Name, Pair, Point3, Positive, Slightly
 from plogic.facts.situation import Reading
 
 

@@ -17,8 +17,9 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Literal, NotRequired, TypedDict
 
+from geometry.camera import Pose
 from plogic.facts.document import HypothesisRow, Interpretation, RejectedRow, Status, WorldRow
-from plogic.facts.fact_rows import Interval, Pose
+from plogic.facts.fact_rows import Interval
 from plogic.facts.situation import Stopped, stopped_in
 from plogic.run.batch.frames import Frame, Settings, digest_of
 from plogic.scene.readings.unfinished import unlisted_beyond
