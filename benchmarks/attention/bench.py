@@ -96,7 +96,7 @@ def run(
     count = scenes or (QUICK_SCENES if quick else SCENES)
     rows = []
     for looks in VOCABULARIES:
-        what = f"{types} by hand, {looks[1]} looks"
+        what = f"{types}, {looks[1]} looks"
         rows.append(
             _row(what, [one for each in _by_hand(count, types, looks, seed) for one in _told(*each, what, say)])
         )

@@ -28,8 +28,8 @@ from plogic.match.judged.type_models import Given, TypeModel
 
 TELLING = 0.2
 """By how much a rank must exceed what clutter alone would give to tell anything: of 20 features or more, twice what
-chance varies it by. What is there of 100 types known by places comes 2nd in the median where 8 appearance types are
-told apart, 4th where 30, and 2nd where 100, by rank alone 19th, 8th, and 2nd (``plogic bench attention``)."""
+chance varies it by. What is there of 100 types known by places comes 2nd, 5th and 2nd in the median where 10, 30 and
+100 appearance types are told apart, by rank alone 26th, 15th and 2nd (``plogic bench attention``)."""
 
 
 def attend(
