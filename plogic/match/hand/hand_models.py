@@ -17,7 +17,7 @@ import numpy as np
 
 from geometry.arrays import Floats, Indices, Mask
 from geometry.bodies.resting import RestingFaces, resting_faces
-from geometry.poses.refine import Steps
+from geometry.poses.refine import USUAL, Steps
 from kb.clouds.cloud import KnowledgeBase, ObjectType, Rates
 from plogic.facts.hypothesis import Hypothesis
 from plogic.match.gamma.data import Data, project_ideal
@@ -37,8 +37,8 @@ CELLS_TRIED = 24
 EVERY = 8_000
 """Coarse poses that all features vote on where none is left out to save time."""
 HOME = Steps(30)
-"""Of the last least squares: with few features and residuals that weigh less, eight end half a millimetre from where
-they should, towards where they began."""
+"""Of the last least squares, where no match is lost by it: with few features and residuals that weigh less, eight end
+half a millimetre from where they should, towards where they began."""
 ANCHORS = 16
 """Features that seeds and pairs are made of: the most distinctive ones."""
 
@@ -144,14 +144,18 @@ class TypeIndex:
         Matched (D7, D8), refined on places, and matched again.
         """
         allowed, rates = self.allowed(data), kb.rates
-        return settled(
-            pose,
-            lambda pose: matched(
-                pose_of(self.object_type, pose, data, kb), data, allowed, rates.match_tolerance, free, hidden
-            ),
-            lambda posed: polished(posed, self.points, self.precision(rates), data, hidden, ROBUST, rates.sigma, HOME),
-            rounds,
-        )
+
+        def match(pose: Floats) -> Hypothesis:
+            posed = pose_of(self.object_type, pose, data, kb)
+            return matched(posed, data, allowed, rates.match_tolerance, free, hidden)
+
+        def better(posed: Hypothesis, steps: Steps = USUAL) -> Floats | None:
+            return polished(posed, self.points, self.precision(rates), data, hidden, ROBUST, rates.sigma, steps)
+
+        posed = settled(pose, match, better, rounds)
+        home = better(posed, HOME) if rounds > 1 else None
+        there = posed if home is None else match(home)
+        return there if np.array_equal(there.matches, posed.matches) else posed
 
     def significance(self, posed: Hypothesis) -> float:
         """By places alone the best of so many tries is good by luck: as many as there are pairs of data.
