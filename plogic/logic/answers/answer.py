@@ -1,9 +1,9 @@
-"""Answers of a program, in this process: P(query | evidence) of each query, from one circuit or by a deadline.
+"""Answers of a program, in this process: P(query | evidence) of each query, counted the cheapest way or by a deadline.
 
 For programs of strangers use ``plogic.scene.asking.query.answers``: it works in a process of its own, with limits.
 
-By a deadline they are exact if the compiler is ready in time, else the intervals that are known by then. The compiler
-works in a thread (its own process does the work); meanwhile the bounds are refined, and told more and more rarely.
+By a deadline they are exact if they are counted in time, else the intervals that are known by then. The counting is
+done in a thread; meanwhile the bounds are refined, and told more and more rarely.
 ``Bounds`` contain P(query | evidence) at any time, and shrink while alternatives are decided best first. A partial
 decision is evaluated in three values, many decisions at once (``Truth``). It settles its mass where the query and the
 evidence hold, the query fails under the evidence, or the evidence fails; else its mass is open. From the masses that
@@ -23,6 +23,7 @@ import numpy as np
 from numpy.typing import NDArray
 from problog.logic import And, Constant, Not, Or, Term, Var
 
+from plogic.logic.counted.ways import counted, probabilities
 from plogic.logic.dnnf.compiled import Compiled, compiled
 from plogic.logic.grounding.ground_program import TRUE, Ground
 from plogic.logic.grounding.load import Request, ground, request_from, variables, with_something_asked
@@ -42,9 +43,14 @@ def answers_of_text(text: str) -> dict[str, float]:
 
 def answers_to(document: dict[str, Any]) -> list[list[tuple[str, float]]]:
     """One list of ``(goal, probability)`` per goal of a request; without goals, one for the program's own query/1."""
-    request, program = prepared(document)
-    values = program.probabilities([literal for _, literal in program.ground.asked])
-    return grouped(request, program.ground, values)
+    return grouped(*_answered(_asked(document)))
+
+
+@lru_cache(maxsize=4)
+def _answered(text: str) -> tuple[Request, Ground, list[float]]:
+    with uncollected():
+        request = request_from(json.loads(text))
+        return request, *counted(request)
 
 
 def prepared(document: dict[str, Any], *, ask_something: bool = False) -> tuple[Request, Compiled]:
@@ -52,8 +58,13 @@ def prepared(document: dict[str, Any], *, ask_something: bool = False) -> tuple[
 
     With ``ask_something`` a program that asks nothing is asked for all that it gives a probability.
     """
+    return _prepared(_asked(document), ask_something)
+
+
+def _asked(document: dict[str, Any]) -> str:
+    """What a request asks, as a cache's key."""
     keys = ("texts", "goals", "given", "names", "trust", "folder")
-    return _prepared(json.dumps({key: document[key] for key in keys if key in document}, sort_keys=True), ask_something)
+    return json.dumps({key: document[key] for key in keys if key in document}, sort_keys=True)
 
 
 @lru_cache(maxsize=4)
@@ -314,18 +325,18 @@ def answers_by(document: dict[str, Any], tell: Callable[[dict[str, Any]], None])
         )
 
     partly([(0.0, 1.0)] * len(found.asked))
-    values = _meanwhile(found, partly).probabilities([literal for _, literal in found.asked])
+    values = _meanwhile(found, partly)
     return {"answers": [[[goal, p] for goal, p in goals] for goals in grouped(request, found, values)]}
 
 
-def _meanwhile(found: Ground, partly: Callable[[list[tuple[float, float]]], None]) -> Compiled:
-    compiling = ThreadPoolExecutor(1).submit(compiled, found)
+def _meanwhile(found: Ground, partly: Callable[[list[tuple[float, float]]], None]) -> list[float]:
+    counting = ThreadPoolExecutor(1).submit(probabilities, found)
     bounds, wait, last = Bounds(found), FIRST_WAIT, time.monotonic()
-    while not compiling.done() and not bounds.done:
+    while not counting.done() and not bounds.done:
         bounds.refine()
         if time.monotonic() - last > wait:
             partly(bounds.intervals())
             wait, last = wait * 1.3, time.monotonic()
-    if not compiling.done():
+    if not counting.done():
         partly(bounds.intervals())
-    return compiling.result()
+    return counting.result()
