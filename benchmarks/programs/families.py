@@ -32,14 +32,14 @@ def samples(seed: int, *, quick: bool) -> Iterator[Sample]:
     yield Sample("alarm", 1, ALARM.read_text(encoding="utf-8"))
     for family, make in MADE.items():
         for size in sizes[family]:
-            yield Sample(family, size, make(size, Random(f"{family} {size} {seed}")))
+            yield Sample(family, size, make(size, Random(f"{family} {size} {seed}")))  # noqa: S311 - a sample, no secret
 
 
 def smokers(people: int, random: Random) -> str:
     """Friends and smokers: a ring of friends with chords, friendship goes both ways, so that influence is cyclic."""
     pairs = [(i, (i + 1) % people) for i in range(people)]
     others = [(i, j) for i in range(people) for j in range(i + 2, people) if (i, j) != (0, people - 1)]
-    pairs += random.sample(others, min(len(others), people // 3))
+    pairs += random.sample(others, min(len(others), people // 2))
     friends = "".join(f"friend(p{i},p{j}). friend(p{j},p{i}).\n" for i, j in pairs)
     persons = "".join(f"person(p{i}).\n" for i in range(people))
     return (
@@ -76,9 +76,9 @@ def _links(side: int) -> Iterator[tuple[str, str]]:
 
 
 def random_graph(nodes: int, random: Random) -> str:
-    """What can be reached from the first node of a random graph with three arrows to two nodes?"""
+    """What can be reached from the first node of a random graph with two arrows a node?"""
     arrows = [(i, j) for i in range(nodes) for j in range(nodes) if i != j]
-    chosen = sorted(random.sample(arrows, 3 * nodes // 2))
+    chosen = sorted(random.sample(arrows, 2 * nodes))
     edges = "".join(f"{_share(random)}::edge(n{i},n{j}).\n" for i, j in chosen)
     return f"{edges}{PATH}query(path(n0,n{nodes - 1})).\nquery(path(n0,n{nodes // 2})).\n"
 
@@ -120,18 +120,11 @@ def qmr(diseases: int, random: Random) -> str:
 
 
 def blood_type(generations: int, random: Random) -> str:
-    """Blood groups of a family: two genes of each, one from either parent; the groups of two children are known."""
-    people = ["founder"]
-    return _blood(2**generations - 1, random, people)
-
-
-def _blood(count: int, random: Random, people: list[str]) -> str:
-    people[:] = [f"b{i}" for i in range(1, count + 1)]
-    leaf = (count + 1) // 2
+    """Blood groups of a family tree: a gene from either parent; the groups of two of the oldest are known."""
+    count, leaf = 2**generations - 1, 2 ** (generations - 1)
     parents = "".join(f"mother(b{2 * i},b{i}). father(b{2 * i + 1},b{i}).\n" for i in range(1, leaf))
     founders = "".join(f"founder(b{i}).\n" for i in range(leaf, count + 1))
-    groups = ("a", "b", "ab", "null")
-    seen = f"evidence(bloodtype(b{count},{random.choice(groups[:2])})).\nevidence(bloodtype(b{leaf},null)).\n"
+    seen = f"evidence(bloodtype(b{count},{random.choice('ab')})).\nevidence(bloodtype(b{leaf},null)).\n"
     return (
         "0.3::mchrom(X,a); 0.3::mchrom(X,b); 0.4::mchrom(X,null) :- founder(X).\n"
         "0.3::pchrom(X,a); 0.3::pchrom(X,b); 0.4::pchrom(X,null) :- founder(X).\n"

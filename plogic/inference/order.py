@@ -166,9 +166,7 @@ def members(mask: int) -> list[int]:
     return result
 
 
-def sweep(
-    graph: Sequence[int], bits: Sequence[float], check: Callable[[], None] = lambda: None
-) -> list[int]:
+def sweep(graph: Sequence[int], bits: Sequence[float], check: Callable[[], None] = lambda: None) -> list[int]:
     """From an end of the graph, always the boundary variable that brings the fewest bits of new ones, ties by age."""
     left = (1 << len(graph)) - 1
     sequence: list[int] = []

@@ -23,7 +23,7 @@ import numpy as np
 from numpy.typing import NDArray
 from problog.logic import And, Constant, Not, Or, Term, Var
 
-from plogic.logic.counted.ways import counted, probabilities
+from plogic.logic.answers.ways import counted, probabilities
 from plogic.logic.dnnf.compiled import Compiled, compiled
 from plogic.logic.grounding.ground_program import TRUE, Ground
 from plogic.logic.grounding.load import Request, ground, request_from, variables, with_something_asked

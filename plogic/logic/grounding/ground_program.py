@@ -84,8 +84,8 @@ class Ground:
 
     ``size``: number of variables; ``gates``: derived variable → its gate; ``asked``: name and literal of each query, in
     the order of the program; ``observed``: literals that the evidence makes true. Variables in neither ``gates`` nor
-    ``alternatives`` are free: they weigh 1 either way. ``cyclic``: some gates depend on themselves, so that they are not
-    in the order of their numbers, and mean the least fixed point; else children come first.
+    ``alternatives`` are free: they weigh 1 either way. ``cyclic``: some gates depend on themselves, and
+    mean the least fixed point; else children have smaller numbers than their parents.
     """
 
     size: int
@@ -160,7 +160,12 @@ def ground_from(
     choices = [(number[i], n) for i, n in nodes.items() if isinstance(n, Choice)]
     evidence = tuple(dict.fromkeys(lit for lit in (literal_of(key) for _, key in observed) if lit))
     return Ground(
-        len(nodes), gates, _alternatives(choices), tuple((name, literal_of(key)) for name, key in asked), evidence, cycles
+        len(nodes),
+        gates,
+        _alternatives(choices),
+        tuple((name, literal_of(key)) for name, key in asked),
+        evidence,
+        cycles,
     )
 
 

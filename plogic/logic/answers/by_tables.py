@@ -1,4 +1,4 @@
-"""A ground program as a factor graph: a variable for each alternative, gates in steps, what the evidence fixes left out.
+"""A ground program as a factor graph: a variable for each alternative, gates in steps, without what evidence fixes.
 
 The cells of its tables are a cheap estimate of the work, and an exact one: ``tables_of`` gives the graph with its order
 of elimination, where that is within a limit.
@@ -135,7 +135,9 @@ def _choices(ground: Ground, known: Propagated, formulas: dict[int, Formula]) ->
 
     Their literals go to ``formulas``.
     """
-    cards, factors, constants = [], [], []
+    cards: list[int] = []
+    factors: list[Factor] = []
+    constants: list[float] = []
     named = set()
     for index, alternative in enumerate(ground.alternatives):
         named |= set(alternative.variables)

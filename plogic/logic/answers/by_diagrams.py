@@ -7,8 +7,8 @@ probabilistic logic programs with Tp-compilation, 2015). So no cycle is broken, 
 An alternative of many choices is decided one choice after another, each with its probability given that no earlier one
 came. So every variable weighs 1 in sum, and no diagram need be made smooth. What the evidence fixes is left out.
 
-The diagrams are ordered (right-linear), along a sweep over the program: of all orders that were tried these are the
-smallest and quickest on graphs (``plogic bench programs``). Work is counted in nodes, not in seconds: the same program gives up at the same place.
+The diagrams are ordered (right-linear), along a sweep over the program, which keeps those of graphs small. Work is
+counted in nodes, not in seconds: the same program gives up at the same place.
 """
 
 from __future__ import annotations

@@ -14,8 +14,8 @@ from contextlib import suppress
 from typing import TYPE_CHECKING
 
 from plogic.base.errors import InconsistentError
-from plogic.logic.counted.diagrams import Diagrams, GiveUpError
-from plogic.logic.counted.tables import tables_of
+from plogic.logic.answers.by_diagrams import Diagrams, GiveUpError
+from plogic.logic.answers.by_tables import tables_of
 from plogic.logic.dnnf.cnf import propagated
 from plogic.logic.dnnf.compiled import IMPOSSIBLE, compiled
 from plogic.logic.grounding.load import ground
