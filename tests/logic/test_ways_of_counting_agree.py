@@ -12,6 +12,7 @@ from random_programs import ATOMS, programs, worlds
 
 from plogic.base.errors import InconsistentError
 from plogic.inference.order import elimination_order
+from plogic.logic.answers import by_tables as by_tables_module
 from plogic.logic.answers import ways
 from plogic.logic.answers.answer import answers_of_text
 from plogic.logic.answers.by_diagrams import Diagrams, GiveUpError, blocks
@@ -114,8 +115,7 @@ def test_a_graph_is_grounded_with_its_cycles_and_answered_without_unrolling_them
     assert ground(request(text), cyclic=True).cyclic
     assert not ground(request(text)).cyclic
     expected = answers("circuit", text)
-    monkeypatch.setattr(ways, "compiled", None)
-    monkeypatch.setattr(ways, "tables_of", None)
+    monkeypatch.setattr(by_tables_module, "tables_of", None)
     assert answers_of_text(text) == pytest.approx(expected, abs=1e-12)
 
 
@@ -127,8 +127,9 @@ def test_diagrams_that_grow_too_large_give_up_at_the_same_place_and_another_way_
         Diagrams(found, known(found), 2)
     monkeypatch.setattr(ways, "MANY", 2)
     assert answers_of_text(text + "% again") == pytest.approx(expected, abs=1e-12)
+    monkeypatch.setattr(ways, "FIRST", 2)
     monkeypatch.setattr(ways, "FEW", 2)
-    monkeypatch.setattr(ways, "tables_of", lambda *_: None)
+    monkeypatch.setattr(by_tables_module, "tables_of", lambda *_: None)
     assert answers_of_text(text + "% and again") == pytest.approx(expected, abs=1e-12)
 
 

@@ -18,7 +18,7 @@ from typing import TYPE_CHECKING, Any
 
 from plogic.base.errors import InconsistentError
 from plogic.inference.order import neighbours, sweep
-from plogic.logic.dnnf.compiled import IMPOSSIBLE
+from plogic.logic.dnnf.cnf import IMPOSSIBLE
 from plogic.logic.grounding.ground_program import TRUE
 
 if TYPE_CHECKING:

@@ -19,7 +19,7 @@ from plogic.inference.graph import Beliefs, Factor, FactorGraph, split
 from plogic.inference.marginals import assembled, small
 from plogic.inference.order import bucket_tree, elimination_order
 from plogic.inference.passes import joint, two_way
-from plogic.logic.dnnf.compiled import IMPOSSIBLE
+from plogic.logic.dnnf.cnf import IMPOSSIBLE
 from plogic.logic.grounding.ground_program import TRUE
 
 if TYPE_CHECKING:

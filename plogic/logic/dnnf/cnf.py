@@ -15,8 +15,7 @@ from collections import Counter
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-from plogic.base.walk import by_key
-from plogic.inference.graph import roots
+from plogic.base.walk import by_key, roots
 from plogic.logic.grounding.ground_program import TRUE, Gate, Ground
 
 if TYPE_CHECKING:
@@ -121,6 +120,9 @@ def _some_none(nnf: Nnf, inputs: Inputs) -> tuple[int, int]:
 
 PAIRWISE = 8
 """An alternative of up to so many outcomes excludes them pair by pair."""
+
+
+IMPOSSIBLE = "no world satisfies the evidence: its probability is 0"
 
 
 @dataclass(frozen=True)

@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 
 from plogic.base.errors import InconsistentError, LimitError
 from plogic.base.walk import by_key
-from plogic.logic.dnnf.cnf import Propagated, Residue, propagated, residue
+from plogic.logic.dnnf.cnf import IMPOSSIBLE, Propagated, Residue, propagated, residue
 from plogic.logic.dnnf.nnf import AND, LITERAL, Nnf, nodes_under
 from plogic.logic.dnnf.nnf import FALSE as NEVER
 from plogic.logic.dnnf.nnf import TRUE as ALWAYS
@@ -159,9 +159,6 @@ def _level(nnf: Nnf, kind: int, gates: list[int], number: dict[int, int]) -> Lev
     return Level(
         kind, start, start + len(gates), children, first, np.repeat(np.arange(len(gates)), counts), targets, target
     )
-
-
-IMPOSSIBLE = "no world satisfies the evidence: its probability is 0"
 
 
 @dataclass(frozen=True)
