@@ -8,7 +8,7 @@ from typing import Any
 import click
 
 from plogic.face.authoring.kb_group import kb
-from plogic.face.commands.clicked import batch, bop, measures, next_view
+from plogic.face.commands.clicked import batch, bop, measures, next_view, schema
 from plogic.face.shown.options import (
     AS_JSON,
     BEST_BY,
@@ -294,6 +294,7 @@ cli.add_command(bop)
 cli.add_command(batch)
 cli.add_command(next_view)
 cli.add_command(measures)
+cli.add_command(schema)
 
 
 def _warn(source: str, *, trust: bool) -> None:

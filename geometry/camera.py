@@ -3,20 +3,22 @@
 Frame: x right, y down, z forward. An integer pixel is a pixel's centre, so the image spans [-0.5, width - 0.5) across.
 Example: `Camera(640, 480, [[600, 0, 320], [0, 600, 240], [0, 0, 1]])`.
 
-What a camera description must satisfy; every mistake is named by its key, all of them at once.
+What a camera description must satisfy, ``CameraRow``; every mistake is named by its key, all of them at once.
 """
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from functools import cached_property
-from typing import Any, cast
+from typing import Annotated, Any, NotRequired, TypedDict, cast
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from geometry.arrays import Floats, Mask, frozen, last_axes
-from geometry.errors import CameraError, told
+from geometry.errors import CameraError, Keys, Mistake, told
 from geometry.frames import inverse, is_rigid
+from geometry.json_checks import check_of
+from geometry.json_shapes import Lengths, Range, Row, Rule, Size
 
 LENGTHS = (0, 4, 5, 8, 12, 14)  # the numbers of coefficients that OpenCV knows
 _ROUNDS = 30  # of Newton's method in `undistort`; five are enough for a usual lens
@@ -108,13 +110,49 @@ def _within(xy: Floats, edge: float) -> Floats:
     return np.asarray(xy * np.minimum(1.0, 0.999 * edge / np.maximum(radius, 1e-12)))
 
 
-KEYS = ("width", "height", "K", "dist", "T_world_camera")
 MAX_SIDE = 65536  # px
 SHORTEST, LARGEST = (
     1e-3,
     1e9,
 )  # px; focal lengths beyond, and larger numbers of a matrix, belong to no camera, and squares of them overflow
 STRONGEST = 1e6  # a distortion coefficient; past a few thousand no lens is known
+
+
+RIGID = "should be a rigid 4x4 matrix (row-major, metres)"
+Pose = Annotated[list[Annotated[list[float], Size(4)]], Size(4), Rule(RIGID)]
+"""A rigid motion, row-major, metres."""
+_Focal, _Offset = Annotated[float, Range(SHORTEST, LARGEST)], Annotated[float, Range(-LARGEST, LARGEST)]
+_Zero, _One = Annotated[float, Range(0.0, 0.0)], Annotated[float, Range(1.0, 1.0)]
+_Rows = Row(
+    Annotated[list[float], Row(_Focal, _Offset, _Offset)],
+    Annotated[list[float], Row(_Zero, _Focal, _Offset)],
+    Annotated[list[float], Row(_Zero, _Zero, _One)],
+)
+
+
+class CameraRow(TypedDict):
+    """A camera as JSON: the key `camera` of other documents, or a file of its own."""
+
+    width: Annotated[int, Range(1, MAX_SIDE), "Width of the image, pixels."]
+    height: Annotated[int, Range(1, MAX_SIDE), "Height of the image, pixels."]
+    K: Annotated[
+        list[list[float]],
+        _Rows,
+        Rule("should be [[fx, skew, cx], [0, fy, cy], [0, 0, 1]]"),
+        "Focal lengths, skew and principal point, pixels; an integer pixel is a pixel's centre.",
+    ]
+    dist: NotRequired[
+        Annotated[
+            list[Annotated[float, Range(-STRONGEST, STRONGEST)]],
+            Lengths(*LENGTHS),
+            "Lens distortion, OpenCV's coefficients in OpenCV's order: k1, k2, p1, p2, k3, ...; none: `[]`.",
+        ]
+    ]
+    T_world_camera: NotRequired[
+        Annotated[
+            Pose | None, "Where the camera stands: maps camera coordinates to the world's (z up); row-major, metres."
+        ]
+    ]
 
 
 NEAREST = 1e-6  # m; what is not farther than this in front of the camera has no image
@@ -138,15 +176,15 @@ class Camera:
         """Check everything, and keep read-only copies."""
         mistakes = camera_mistakes(
             {
-                "width": self.width,
-                "height": self.height,
-                "K": self.K,
-                "dist": self.dist,
-                "T_world_camera": self.world_from_camera,
+                "width": _plain(self.width),
+                "height": _plain(self.height),
+                "K": _plain(self.K),
+                "dist": _plain(self.dist),
+                "T_world_camera": _plain(self.world_from_camera),
             }
         )
         if mistakes:
-            raise CameraError(told(mistakes, "; "))
+            raise CameraError(told([mistake.below("camera") for mistake in mistakes], "; "))
         object.__setattr__(self, "K", frozen(self.K))
         object.__setattr__(self, "dist", frozen(self.dist))
         if self.world_from_camera is not None:
@@ -218,64 +256,71 @@ def camera_from_dict(document: object, where: str = "camera") -> Camera:
     Raises:
         CameraError: naming each wrong key as `where.key`, all on one line.
     """
-    mistakes = camera_mistakes(document, where)
+    mistakes = camera_mistakes(document, (where,))
     if mistakes:
         raise CameraError(told(mistakes, "; "))
-    camera = cast("Mapping[str, Any]", document)
-    return Camera(camera["width"], camera["height"], camera["K"], camera.get("dist", []), camera.get("T_world_camera"))
+    camera = cast("CameraRow", document)
+    pose = camera.get("T_world_camera")
+    return Camera(
+        camera["width"],
+        camera["height"],
+        np.asarray(camera["K"], dtype=float),
+        np.asarray(camera.get("dist", []), dtype=float),
+        None if pose is None else np.asarray(pose, dtype=float),
+    )
 
 
-def camera_mistakes(document: object, where: str = "camera") -> list[str]:
-    """Each mistake in the contract's `camera` key as one line `where.key: rule, value`; empty for a good camera."""
+def camera_mistakes(document: object, keys: Keys = ()) -> list[Mistake]:
+    """Each mistake in a `CameraRow` that stands under these keys; none of a good camera."""
     if not isinstance(document, Mapping):
-        return [f"{where}: must be an object with the keys width, height and K, not {_shown(document)}"]
-    unknown = [f"{where}.{key}: unknown key; known are {', '.join(KEYS)}" for key in document if key not in KEYS]
-    missing = [f"{where}.{key}: is missing" for key in KEYS[:3] if key not in document]
-    sides = [_side(document[key], f"{where}.{key}") for key in KEYS[:2] if key in document]
-    rest = [_matrix(document[key], f"{where}.K") for key in ("K",) if key in document]
-    rest += [_dist(document.get("dist", []), f"{where}.dist")]
-    rest += [_pose(document.get("T_world_camera"), f"{where}.T_world_camera")]
-    return unknown + missing + [mistake for mistake in sides + rest if mistake]
+        return [Mistake(keys, f"must be an object with the keys width, height and K, not {_shown(document)}")]
+    ruled = {key: wrong for key, rule in RULES.items() if key in document and (wrong := rule(document[key]))}
+    found = [mistake for mistake in check_of(CameraRow)(dict(document)) if mistake.place[0] not in ruled]
+    found += [Mistake((key,), wrong) for key, wrong in ruled.items()]
+    return [mistake.below(*keys) for mistake in found]
 
 
-def _side(value: object, where: str) -> str:
-    whole = isinstance(value, (int, np.integer)) and not isinstance(value, bool)
-    if whole and 1 <= int(str(value)) <= MAX_SIDE:
-        return ""
-    return f"{where}: must be a whole number of pixels from 1 to {MAX_SIDE}, not {_shown(value)}"
+def _plain(value: object) -> object:
+    """Arrays and tuples as the lists that JSON has."""
+    value = value.tolist() if isinstance(value, (np.ndarray, np.generic)) else value
+    return [_plain(each) for each in value] if isinstance(value, (list, tuple)) else value
 
 
-def _matrix(value: object, where: str) -> str:
+def _matrix(value: object) -> str:
     K = _numbers(value)
     if K is None or K.shape != (3, 3):
-        return f"{where}: must be a 3x3 matrix of finite numbers, not {_shown(value)}"
+        return f"must be a 3x3 matrix of finite numbers, not {_shown(value)}"
     if not (K[0, 0] > 0 and K[1, 1] > 0):
-        return f"{where}: focal lengths must be positive, not {K[0, 0]:g} and {K[1, 1]:g}"
+        return f"focal lengths must be positive, not {K[0, 0]:g} and {K[1, 1]:g}"
     if min(K[0, 0], K[1, 1]) < SHORTEST or np.abs(K).max() > LARGEST:
-        return f"{where}: focal lengths must be at least {SHORTEST:g} px, and no number above {LARGEST:g}, not {_shown(value)}"
+        return f"focal lengths must be at least {SHORTEST:g} px, and no number above {LARGEST:g}, not {_shown(value)}"
     if K[1, 0] != 0 or K[2].tolist() != [0, 0, 1]:
-        return f"{where}: must be [[fx, skew, cx], [0, fy, cy], [0, 0, 1]], not {_shown(value)}"
+        return f"must be [[fx, skew, cx], [0, fy, cy], [0, 0, 1]], not {_shown(value)}"
     return ""
 
 
-def _dist(value: object, where: str) -> str:
+def _dist(value: object) -> str:
     dist = _numbers(value)
     if dist is None or dist.ndim != 1 or len(dist) not in LENGTHS:
-        return f"{where}: must be a list of {', '.join(map(str, LENGTHS))} finite numbers, not {_shown(value)}"
+        return f"must be a list of {', '.join(map(str, LENGTHS))} finite numbers, not {_shown(value)}"
     if np.abs(dist).max(initial=0.0) > STRONGEST:
-        return f"{where}: no coefficient may be above {STRONGEST:g}, not {_shown(value)}"
+        return f"no coefficient may be above {STRONGEST:g}, not {_shown(value)}"
     return ""
 
 
-def _pose(value: object, where: str) -> str:
+def _pose(value: object) -> str:
     if value is None:
         return ""
     pose = _numbers(value)
     if pose is None or not is_rigid(pose):
-        return f"{where}: must be a rigid 4x4 matrix (row-major, metres), not {_shown(value)}"
+        return f"{RIGID}, not {_shown(value)}"
     if np.abs(pose).max() > LARGEST:
-        return f"{where}: no number may be above {LARGEST:g} m, not {_shown(value)}"
+        return f"no number may be above {LARGEST:g} m, not {_shown(value)}"
     return ""
+
+
+RULES: dict[str, Callable[[object], str]] = {"K": _matrix, "dist": _dist, "T_world_camera": _pose}
+"""What is wrong with the numbers of a key, in one sentence: it has better words than the shape."""
 
 
 def _numbers(value: object) -> np.ndarray[Any, np.dtype[np.float64]] | None:

@@ -7,13 +7,35 @@ PlogicError                   everything that a user can put right; the CLI turn
 Every other package derives its errors from `PlogicError`. A message states the place, the rule and the value.
 
 Many mistakes as one text: as many of them as somebody reads.
+
+* ``Mistake``: one, at its place in a document, ``Mistake(("appearances", 3, "uv"), "'here' is no list of 2")``
 """
 
 from collections.abc import Sequence
 from pathlib import Path
+from typing import NamedTuple
 
 MOST = 100
 """Mistakes that are told one by one."""
+
+Keys = tuple[str | int, ...]
+"""Keys and indices from the root of a document."""
+
+
+class Mistake(NamedTuple):
+    """The place, from the outside in, and what is wrong there; ``at_key``: with the key itself, not with its value."""
+
+    place: Keys
+    what: str
+    at_key: bool = False
+
+    def below(self, *keys: str | int) -> "Mistake":
+        """The same in the document that this one's document stands in, under these keys."""
+        return Mistake((*keys, *self.place), self.what, self.at_key)
+
+    def __str__(self) -> str:
+        """``appearances.3.uv: 'here' is no list of 2``; a key is cut to 60 characters."""
+        return f"{'.'.join(f'{step!s:.60}' for step in self.place)}: {self.what}" if self.place else self.what
 
 
 class PlogicError(Exception):

@@ -25,7 +25,7 @@ class Appearance:
         id: Unique within its Γ.
         type: The appearance type, a name of the KB's vocabulary ("l_junction", "patch").
         uv: Place in pixels; an integer is a pixel's centre.
-        detector: Name of the detector that reported it.
+        detector: Name of the detector that reported it, or None.
         angle: Radians, clockwise on the screen from +x; None where the type has no direction.
         scale: Diameter in pixels, or None.
         score: The detector's own confidence in [0, 1], or None.
@@ -41,7 +41,7 @@ class Appearance:
     id: str
     type: str
     uv: tuple[float, float]
-    detector: str
+    detector: str | None = None
     angle: float | None = None
     scale: float | None = None
     score: float | None = None

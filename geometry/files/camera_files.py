@@ -26,9 +26,10 @@ from ruamel.yaml.composer import MaxDepthExceededError
 from ruamel.yaml.constructor import SafeConstructor
 from ruamel.yaml.error import MarkedYAMLError, YAMLError
 
-from geometry.camera import Camera, camera_from_dict
-from geometry.errors import CameraError
-from geometry.files.plain_files import fault_of, json_of, parsed_json, text_of
+from geometry.camera import Camera, camera_from_dict, camera_mistakes
+from geometry.errors import CameraError, Keys, Mistake, told
+from geometry.files.documents import Document, parsed_json, read_json
+from geometry.files.plain_files import fault_of, text_of
 from geometry.frames import from_rotation_translation, inverse
 
 MAX_DEPTH = 20
@@ -63,6 +64,8 @@ _COLMAP_MODELS = {  # COLMAP's parameters by our names; f is both focal lengths
 
 MAX_BYTES = 64 * 2**20  # a BOP scene of 10^5 images stays below
 HOLDS = "it should hold a camera"
+NOWHERE: Keys = ()
+STRANGE = "has none of the keys of a camera (width, height, K), of Γ (camera) or of BOP (fx, or frames with cam_K)"
 
 
 def read_camera(path: str | Path, frame: str | int | None = None, *, size: tuple[int, int] | None = None) -> Camera:
@@ -75,10 +78,10 @@ def read_camera(path: str | Path, frame: str | int | None = None, *, size: tuple
         CameraError: one line with the file, the key or the line, and what is wrong.
     """
     text = text_of(path, MAX_BYTES, CameraError, "camera")
-    is_json = text.lstrip("\ufeff \t\r\n").startswith(("{", "["))
-    content = parsed_json(text, str(path), HOLDS, CameraError, single=True) if is_json else None
+    if text.lstrip("\ufeff \t\r\n").startswith(("{", "[")):
+        return _from_json(parsed_json(text, str(path), HOLDS, CameraError, single=True), Path(path), frame, size)
     try:
-        return camera_from_dict(_from_json(Path(path), content, frame, size) if is_json else _told(text, frame, size))
+        return camera_from_dict(_told(text, frame, size))
     except CameraError as error:
         raise CameraError(error.message, path=path, line=error.line) from error
 
@@ -86,40 +89,58 @@ def read_camera(path: str | Path, frame: str | int | None = None, *, size: tuple
 def _told(text: str, frame: str | int | None, size: Size) -> object:
     """The contract's `camera` key for COLMAP's or YAML's `text`."""
     if cameras := colmap_cameras(text):
-        return _chosen(cameras, frame, "camera")
+        return _chosen(cameras, frame, "camera")[1]
     content = read_yaml(text)
     if not isinstance(content, Mapping):
         raise CameraError(f"must be a camera in JSON, YAML or COLMAP's text, not {type(content).__name__}")
     return from_calibration(content, size)
 
 
-def _from_json(path: Path, content: object, frame: str | int | None, size: Size) -> object:
-    if not isinstance(content, Mapping):
-        raise CameraError(f"must be a JSON object, not {type(content).__name__}")
-    if "camera" in content:
-        return content["camera"]
-    if "fx" in content:
-        return from_bop_intrinsics(content, size)
-    if content and all(isinstance(value, Mapping) and "cam_K" in value for value in content.values()):
-        return from_bop_scene(_chosen(content, frame, "frame"), size or _bop_size(path))
-    if {"width", "K"} & set(content):
-        return content
-    raise CameraError(
-        "has none of the keys of a camera (width, height, K), of Γ (camera) or of BOP (fx, or frames with cam_K)"
+def _from_json(document: Document, path: Path, frame: str | int | None, size: Size) -> Camera:
+    content, keys = document.data, NOWHERE
+    if isinstance(content, dict) and "camera" in content:
+        content, keys = content["camera"], ("camera",)
+    elif _is_bop(content):
+        return _from_bop(document, path, frame, size)
+    wrong = camera_mistakes(content, keys)
+    if len(wrong) > 1 and isinstance(content, dict) and not {"width", "K"} & set(content):
+        wrong = [Mistake(keys, STRANGE)]
+    if wrong:
+        raise CameraError(told(document.told(wrong)))
+    return camera_from_dict(content)
+
+
+def _is_bop(content: object) -> bool:
+    """Whether a document is BOP's `camera.json` or `scene_camera.json`."""
+    return isinstance(content, dict) and (
+        "fx" in content or (bool(content) and all(isinstance(v, dict) and "cam_K" in v for v in content.values()))
     )
 
 
-def _chosen(entries: Mapping[str, Any], frame: str | int | None, kind: str) -> object:
-    """The entry called `frame`; the only one where no name is given."""
+def _from_bop(document: Document, path: Path, frame: str | int | None, size: Size) -> Camera:
+    """A camera of BOP's; what is wrong with it is told at its place."""
+    keys: Keys = ()
+    try:
+        if "fx" in document.data:
+            return camera_from_dict(from_bop_intrinsics(document.data, size))
+        name, entry = _chosen(document.data, frame, "frame")
+        keys = (name,)
+        return camera_from_dict(from_bop_scene(entry, size or _bop_size(path)))
+    except CameraError as error:
+        raise CameraError(told(document.told([Mistake(keys, error.message)]))) from None
+
+
+def _chosen(entries: Mapping[str, Any], frame: str | int | None, kind: str) -> tuple[str, object]:
+    """The entry called `frame`, with its name; the only one where no name is given."""
     if frame is None and len(entries) == 1:
-        return next(iter(entries.values()))
+        return next(iter(entries.items()))
     known = ", ".join([*entries][:8]) + (", ..." if len(entries) > 8 else "")
     if frame is None:
         raise CameraError(f"has {len(entries)} cameras; say which {kind}: {known}")
     name = str(frame).lstrip("0") or "0"
     for key, entry in entries.items():
         if (key.lstrip("0") or "0") == name:
-            return entry
+            return key, entry
     raise CameraError(f"has no {kind} {frame}; it has {known}")
 
 
@@ -128,7 +149,7 @@ def _bop_size(path: Path) -> Size:
     for folder in list(path.resolve().parents)[:3]:
         beside = folder / "camera.json"
         if fault_of(beside) is None:
-            content = json_of(beside, MAX_BYTES, HOLDS, CameraError)
+            content = read_json(beside, MAX_BYTES, HOLDS, CameraError).data
             if isinstance(content, Mapping) and {"width", "height"} <= set(content):
                 return content["width"], content["height"]
     return None

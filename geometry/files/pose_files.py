@@ -13,16 +13,20 @@ Camera moves as a file: where a camera may go, or shall go.
 """
 
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import Annotated, Literal, NamedTuple, NotRequired, TypedDict, cast
 
 import numpy as np
 
 from geometry.arrays import Floats, frozen
-from geometry.errors import CameraError, GeometryError, told
-from geometry.files.plain_files import json_of, must_be_plain, parsed_json, text_of
+from geometry.camera import RIGID, Pose
+from geometry.errors import CameraError, GeometryError, Mistake, told
+from geometry.files.documents import Document, parsed_json, read_json
+from geometry.files.plain_files import must_be_plain, text_of
 from geometry.frames import from_rotation_translation, inverse, is_rigid, rotation_from_quat_xyzw
+from geometry.json_shapes import Size
 
-MOVES = "moves/1"
+MOST = 1_000_000
+"""Poses or moves of a file."""
 WORLD, PRESENT = "T_world_camera", "T_present_candidate"
 LARGEST = 16 * 2**20
 """Largest file of poses or moves that is read, bytes."""
@@ -31,6 +35,43 @@ ROUNDED = 1e-3
 EXACT = 1e-12
 """How far it may be and is left as it is."""
 HOLDS = 'should be {"format": "poses/1", "frames": [{"frame": FILE or null, "T_world_camera": 4x4}, ...]}'
+
+
+class FrameRow(TypedDict):
+    """Where the camera stood for one frame."""
+
+    frame: NotRequired[
+        Annotated[
+            str | None, "Name of the image or Γ that was taken there; null, or left out: nothing was seen there yet."
+        ]
+    ]
+    T_world_camera: Annotated[Pose, "Maps camera coordinates to the world's (z up); row-major, metres."]
+
+
+class PosesRow(TypedDict):
+    """Where a moving camera stood, frame by frame."""
+
+    format: Literal["poses/1"]
+    frames: Annotated[list[FrameRow], Size(1, MOST), "The poses, in the order of the frames."]
+
+
+class MoveRow(TypedDict):
+    """One place, in the present camera's frame or in the world: one of the two poses."""
+
+    name: NotRequired[Annotated[str, "What it is called in answers."]]
+    T_present_candidate: NotRequired[
+        Annotated[Pose | None, "Maps coordinates of the camera there to those of the present one; row-major, metres."]
+    ]
+    T_world_camera: NotRequired[
+        Annotated[Pose | None, "Maps coordinates of the camera there to the world's; row-major, metres."]
+    ]
+
+
+class MovesRow(TypedDict):
+    """Where a camera may go, or shall go."""
+
+    format: Literal["moves/1"]
+    moves: Annotated[list[MoveRow], Size(1, MOST), "The places."]
 
 
 class Placed(NamedTuple):
@@ -57,25 +98,18 @@ def read_poses(path: Path | str) -> list[Placed]:
 
 
 def _of_json(text: str, path: Path | str) -> list[Placed]:
-    document = parsed_json(text, str(path), HOLDS, CameraError)
-    frames = document.get("frames") if isinstance(document, dict) and document.get("format") == "poses/1" else None
-    if not isinstance(frames, list):
-        raise CameraError(f"{path}: {HOLDS}")
-    return _sound([_entry(f"{path}: frames.{i}", frame) for i, frame in enumerate(frames)])
+    return _posed(parsed_json(text, str(path), HOLDS, CameraError, single=True))
 
 
-def _entry(where: str, frame: Any) -> Placed | str:  # noqa: ANN401 - parsed JSON
-    if not isinstance(frame, dict) or not set(frame) <= {"frame", "T_world_camera"} or "T_world_camera" not in frame:
-        return f"{where}: must have the keys frame and T_world_camera, and no other"
-    name = frame.get("frame")
-    if name is not None and not isinstance(name, str):
-        return f"{where}.frame: must be a file's name or null, not {name!r:.60}"
-    nearest = nearest_rigid(frame["T_world_camera"])
-    return (
-        f"{where}.T_world_camera: must be a rigid 4x4 matrix (row-major, metres)"
-        if nearest is None
-        else Placed(name, nearest)
-    )
+def _posed(document: Document) -> list[Placed]:
+    """The poses of a `PosesRow`. Raises CameraError with every mistake."""
+    wrong = document.against(PosesRow)
+    frames = [] if wrong else cast("PosesRow", document.data)["frames"]
+    poses = [nearest_rigid(frame["T_world_camera"]) for frame in frames]
+    wrong += [Mistake(("frames", i, WORLD), RIGID) for i, pose in enumerate(poses) if pose is None]
+    if wrong:
+        raise CameraError(told(document.told(wrong)))
+    return [Placed(frame.get("frame"), pose) for frame, pose in zip(frames, poses, strict=True) if pose is not None]
 
 
 def nearest_rigid(value: object) -> Floats | None:
@@ -143,25 +177,30 @@ class Move(NamedTuple):
 
 
 def read_moves(path: Path) -> list[Move]:
-    """The moves of a file, in its order. Raises GeometryError that names the file, the key and what would be right."""
-    document = json_of(path, LARGEST, "it should hold moves", GeometryError)
-    kind = document.get("format") if isinstance(document, dict) else None
+    """The moves of a file, in its order, a ``poses/1`` file's as well.
+
+    Raises GeometryError, a line a mistake.
+    """
+    document = read_json(path, LARGEST, "it should hold moves", GeometryError, single=True)
+    kind = document.data.get("format") if isinstance(document.data, dict) else None
     if kind == "poses/1":
-        return [Move(p.frame or f"move {i}", None, p.world_from_camera) for i, p in enumerate(read_poses(path), 1)]
-    if kind != MOVES:
-        raise GeometryError(f"{path}: format: {kind!r:.40} should be {MOVES!r} or 'poses/1'")
-    rows = document.get("moves")
-    if not isinstance(rows, list) or not rows:
-        raise GeometryError(f"{path}: moves: should be a list of at least one pose")
-    return [_move(row, f"{path}: moves.{i}", i) for i, row in enumerate(rows)]
+        return [Move(p.frame or f"move {i}", None, p.world_from_camera) for i, p in enumerate(_posed(document), 1)]
+    wrong = document.against(MovesRow)
+    rows = [] if wrong else cast("MovesRow", document.data)["moves"]
+    moves = [_move(row, i) for i, row in enumerate(rows)]
+    wrong += [each for each in moves if isinstance(each, Mistake)]
+    if wrong:
+        raise GeometryError(told(document.told(wrong)))
+    return [each for each in moves if isinstance(each, Move)]
 
 
-def _move(row: Any, place: str, number: int) -> Move:  # noqa: ANN401 - parsed JSON
-    keys = [key for key in (PRESENT, WORLD) if isinstance(row, dict) and row.get(key) is not None]
-    if len(keys) != 1:
-        raise GeometryError(f"{place}: should be an object with one of {PRESENT} and {WORLD}")
-    rigid = nearest_rigid(row[keys[0]])
+def _move(row: MoveRow, number: int) -> Move | Mistake:
+    present, world = row.get("T_present_candidate"), row.get("T_world_camera")
+    given = world if present is None else present
+    if given is None or (present is not None and world is not None):
+        return Mistake(("moves", number), f"should be an object with one of {PRESENT} and {WORLD}")
+    rigid = nearest_rigid(given)
     if rigid is None:
-        raise GeometryError(f"{place}.{keys[0]}: must be a rigid 4x4 matrix (row-major, metres)")
-    name = str(row.get("name", f"move {number + 1}"))
-    return Move(name, rigid, None) if keys[0] == PRESENT else Move(name, None, rigid)
+        return Mistake(("moves", number, WORLD if present is None else PRESENT), RIGID)
+    name = row.get("name", f"move {number + 1}")
+    return Move(name, None, rigid) if present is None else Move(name, rigid, None)

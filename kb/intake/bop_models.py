@@ -10,7 +10,8 @@ from typing import Any
 
 import numpy as np
 
-from geometry.files.plain_files import is_there, json_of, must_be_plain
+from geometry.files.documents import read_json
+from geometry.files.plain_files import is_there, must_be_plain
 from geometry.frames import quat_xyzw_from_rotation
 from kb.errors import IntakeError
 from kb.files.schema import SymmetryModel
@@ -50,7 +51,7 @@ def _info(path: Path) -> dict[str, Any]:
         return {}
     must_be_plain(path, IntakeError, MAX_BYTES)
     holds = "models' numbers, their properties, and lists of numbers are all it may hold"
-    info = json_of(path, MAX_BYTES, holds, IntakeError)
+    info = read_json(path, MAX_BYTES, holds, IntakeError).data
     if not isinstance(info, dict) or not all(isinstance(row, dict) for row in info.values()):
         raise IntakeError(f"{path}: must map the models' numbers to their properties")
     return info

@@ -12,9 +12,9 @@ from typing import TYPE_CHECKING, Final, cast
 
 import numpy as np
 
-from geometry.files.plain_files import json_of
+from geometry.errors import Mistake
+from geometry.files.documents import Document, read_json
 from plogic.base.errors import InterpretationError
-from plogic.base.shapes import mistakes
 from plogic.facts.document import Case, FeatureRow, HypothesisFacts, HypothesisRow, Interpretation, StandsKey, TypeRow
 from plogic.facts.fact_rows import EvidenceRow, Fact, RelatedRow, StateRow
 from plogic.facts.hypothesis import FeatureFact, Hypothesis, PartFact
@@ -118,11 +118,11 @@ def type_of(row: TypeRow) -> TypeFact:
     return TypeFact(features, looks=tuple(looks), facets=facets, faces=faces)
 
 
-def _wrong_lobes(document: Interpretation) -> Iterator[str]:
+def _wrong_lobes(document: Interpretation) -> Iterator[Mistake]:
     for name, row in document.get("types", {}).items():
         for i, (feature, look, *_) in enumerate(row["lobes"]):
             if not (feature < len(row["features"]) and look < len(row["looks"])):
-                yield f"types: {name}: lobes: {i}: there is no feature {feature} with look {look}"
+                yield Mistake(("types", name, "lobes", i), f"there is no feature {feature} with look {look}")
 
 
 def _hypothesis(h: HypothesisRow) -> Hypothesis:
@@ -204,25 +204,42 @@ def text_of(document: Mapping[str, object]) -> str:
 
 def read_interpretation(path: Path | str) -> Interpretation:
     """Read ``interpretation.json``; '-' is stdin. Raises InterpretationError, a line a mistake."""
-    name = "<stdin>" if str(path) == "-" else str(path)
-    return interpretation_in(parsed(path), name)
+    return interpretation_in(parsed(path))
 
 
-def interpretation_in(document: object, name: str, formats: str = "{}") -> Interpretation:
-    """The interpretation that was read; ``name`` tells its file, ``formats`` which formats it could have been.
+def interpretation_in(document: Document, formats: str = "{}") -> Interpretation:
+    """The interpretation that was read; ``formats`` tells which formats it could have been.
 
     Raises InterpretationError, a line a mistake.
     """
-    if not isinstance(document, dict) or document.get("format") != FORMAT:
-        raise InterpretationError(f"{name}: format: should be {formats.format(repr(FORMAT))}")
-    interpretation = cast("Interpretation", document)
-    wrong = mistakes(document, Interpretation) or list(_wrong_lobes(interpretation))
-    wrong = wrong or list(faults(situation_of(interpretation)))
+    data = document.data
+    if not isinstance(data, dict) or data.get("format") != FORMAT:
+        wrong = [Mistake(("format",), f"should be {formats.format(repr(FORMAT))}")]
+        raise InterpretationError(*document.told(wrong))
+    interpretation = cast("Interpretation", data)
+    wrong = document.against(Interpretation) or list(_wrong_lobes(interpretation))
     if wrong:
-        raise InterpretationError(*(f"{name}: {line}" for line in wrong))
+        raise InterpretationError(*document.told(wrong))
+    at_odds = [_numbered(fault, data) for fault in faults(situation_of(interpretation))]
+    if at_odds:
+        where = document.where(at_odds)
+        raise InterpretationError(*(f"{place}: {fault.what}" for place, fault in zip(where, at_odds, strict=True)))
     return interpretation
 
 
-def parsed(path: Path | str) -> object:
+def _numbered(fault: Mistake, document: object) -> Mistake:
+    """A fault at its place in a document: of a row that is named by its id, the last one that has it."""
+    keys: list[str | int] = []
+    for step in fault.place:
+        if isinstance(document, list):
+            step = max(i for i, row in enumerate(document) if row["id"] == step)  # noqa: PLW2901 - the name's number
+        elif not isinstance(document, dict) or step not in document:
+            break
+        keys.append(step)
+        document = document[step]  # type: ignore[index]
+    return fault._replace(place=tuple(keys))
+
+
+def parsed(path: Path | str) -> Document:
     """The JSON of a file; '-' is stdin. Raises InterpretationError, one line."""
-    return json_of(path, LARGEST, "it should hold what a picture shows", InterpretationError, finite=True)
+    return read_json(path, LARGEST, "it should hold what a picture shows", InterpretationError, finite=True)

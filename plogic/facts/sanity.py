@@ -4,6 +4,7 @@ import math
 from collections import Counter
 from collections.abc import Iterable, Iterator
 
+from geometry.errors import Keys, Mistake
 from geometry.visibility.roc import ROC20, coarse
 from plogic.base.errors import SituationError
 from plogic.facts.hypothesis import FeatureFact, Hypothesis
@@ -17,16 +18,37 @@ SUMS = 1e-6
 
 def check(situation: Situation) -> None:
     """Raise SituationError with every fault of a situation."""
-    wrong = tuple(faults(situation))
+    wrong = tuple(fault.what for fault in faults(situation))
     if wrong:
         raise SituationError(*wrong)
 
 
-def faults(situation: Situation) -> Iterator[str]:
-    """Every duplicate or unknown id, and every number that is out of its range, a line each."""
+def faults(situation: Situation) -> Iterator[Mistake]:
+    """Every duplicate or unknown id, and every number that is out of its range, each a sentence of its own.
+
+    Its place is that in the document of the situation, where a row is named by its id: ``("hypotheses", "h1")``.
+    """
     ids, data = frozenset(h.id for h in situation.hypotheses), frozenset(a.id for a in situation.appearances)
-    yield from _twice("hypothesis", [h.id for h in situation.hypotheses])
-    yield from _twice("appearance", [a.id for a in situation.appearances])
+    yield from _at(("hypotheses",), _twice("hypothesis", [h.id for h in situation.hypotheses]))
+    yield from _at(("appearances",), _twice("appearance", [a.id for a in situation.appearances]))
+    yield from _at(("facts",), _of_facts(situation, ids))
+    yield from _at(("space",), _of_space(situation.space, ids))
+    if situation.gravity is not None:
+        yield from _at(("gravity",), _of_gravity(situation.gravity, ids))
+    for a in situation.appearances:
+        yield from _at(("appearances", a.id), _number(f"appearance {a.id}: clutter", a.clutter, 0.0, math.inf))
+    for h in situation.hypotheses:
+        yield from _of_hypothesis(h, ids, data)
+    for name, prior in situation.priors.items():
+        yield from _at(("priors", name), _number(f"prior of {name}", prior, 0.0, 1.0))
+    yield from _at(("smoothing",), _number("smoothing", situation.smoothing, 0.0, 0.5))
+
+
+def _at(place: Keys, sentences: Iterable[str]) -> Iterator[Mistake]:
+    return (Mistake(place, sentence) for sentence in sentences)
+
+
+def _of_facts(situation: Situation, ids: Ids) -> Iterator[str]:
     for name in ("overlaps", "rivals", "exclusive"):
         for pair in sorted(getattr(situation, name)):
             yield from _unknown(name, pair, ids)
@@ -35,14 +57,6 @@ def faults(situation: Situation) -> Iterator[str]:
         yield from _of_relation(relation, ids, nodes)
     for evidence in situation.evidence:
         yield from _of_evidence(evidence, ids)
-    yield from _of_space(situation.space, ids)
-    if situation.gravity is not None:
-        yield from _of_gravity(situation.gravity, ids)
-    yield from _numbers(((f"appearance {a.id}: clutter", a.clutter) for a in situation.appearances), 0.0, math.inf)
-    for h in situation.hypotheses:
-        yield from _of_hypothesis(h, ids, data)
-    yield from _numbers(((f"prior of {name}", prior) for name, prior in situation.priors.items()), 0.0, 1.0)
-    yield from _number("smoothing", situation.smoothing, 0.0, 0.5)
 
 
 def _of_space(space: Space, ids: Ids) -> Iterator[str]:
@@ -101,12 +115,14 @@ def _of_evidence(fact: EvidenceFact, ids: Ids) -> Iterator[str]:
         yield from (f"evidence: {name!r} is no relation of ROC-20" for name in relations if name not in ROC20)
 
 
-def _of_hypothesis(h: Hypothesis, ids: Ids, data: Ids) -> Iterator[str]:
-    yield from _twice(f"hypothesis {h.id}: feature", [f.id for f in h.features])
+def _of_hypothesis(h: Hypothesis, ids: Ids, data: Ids) -> Iterator[Mistake]:
+    here: Keys = ("hypotheses", h.id)
+    yield from _at(here, _twice(f"hypothesis {h.id}: feature", [f.id for f in h.features]))
     matched = [f.match for f in h.features if f.match is not None]
-    yield from _twice(f"hypothesis {h.id}: appearance that is matched", matched)
+    yield from _at(here, _twice(f"hypothesis {h.id}: appearance that is matched", matched))
     for f in h.features:
-        yield from _of_feature(f"hypothesis {h.id}: feature {f.id}", f, ids, data)
+        sentences = _of_feature(f"hypothesis {h.id}: feature {f.id}", f, ids, data)
+        yield from _at((*here, "features", f.id), sentences)
 
 
 def _of_feature(place: str, f: FeatureFact, ids: Ids, data: Ids) -> Iterator[str]:

@@ -15,10 +15,10 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from geometry.files.plain_files import json_of
+from geometry.errors import Mistake, told
+from geometry.files.documents import read_json
 from geometry.frames import is_rigid
 from plogic.base.errors import InputError
-from plogic.base.shapes import mistakes
 from plogic.facts.document import TruthRow
 from plogic.match.gamma.data import Data, data_of
 from plogic.match.judged.expectation import hidden_by, matched, pose_of
@@ -67,16 +67,21 @@ def read_truth(path: Path, known: Collection[str]) -> Truth:
     Raises:
         InputError: every mistake, a line each, with the file, the key, and what would be right.
     """
-    data = json_of(path, LARGEST, "it should hold where objects stand", InputError)
-    wrong = mistakes(data, TruthRow)
+    document = read_json(path, LARGEST, "it should hold where objects stand", InputError, single=True)
+    data, wrong = document.data, document.against(TruthRow)
     rows = [] if wrong else data["objects"]
     for i, row in enumerate(rows):
         if row["label"] is not None and row["label"] not in known:
-            wrong.append(f"objects.{i}.label: {row['label']!r:.60} is no type of the KB ({', '.join(sorted(known))})")
+            said = f"{row['label']!r:.60} is no type of the KB ({', '.join(sorted(known))})"
+            wrong.append(Mistake(("objects", i, "label"), said))
         if not is_rigid(row["T_camera_object"], ROUNDED):
-            wrong.append(f"objects.{i}.T_camera_object: should be a rigid motion, 4 rows of 4 numbers, metres")
+            said = "should be a rigid motion, 4 rows of 4 numbers, metres"
+            wrong.append(Mistake(("objects", i, "T_camera_object"), said))
     if wrong:
-        raise InputError("\n".join(f"{path}: {line}{NULL if '.label: ' in line else ''}" for line in wrong))
+        lines = (
+            f"{line}{NULL if 'label' in m.place else ''}" for m, line in zip(wrong, document.told(wrong), strict=True)
+        )
+        raise InputError(told(list(lines)))
     return Truth(
         tuple(
             TrueObject(row["label"], np.array(row["T_camera_object"]), row.get("visible_fraction", 1.0)) for row in rows

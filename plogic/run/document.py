@@ -12,7 +12,7 @@ from typing import cast
 import numpy as np
 from numpy.typing import NDArray
 
-from geometry.camera import camera_to_dict
+from geometry.camera import CameraRow, camera_to_dict
 from kb.clouds.cloud import KnowledgeBase
 from plogic.cycle.delta import Delta
 from plogic.cycle.lumped import left_out, looked_at, support_document, told, told_as, types_told
@@ -20,7 +20,6 @@ from plogic.facts.dependence import Scene
 from plogic.facts.document import (
     ApartKey,
     AppearanceRow,
-    CameraRow,
     Case,
     HypothesisRow,
     Interpretation,

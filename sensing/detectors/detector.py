@@ -243,7 +243,8 @@ def mistake(a: object, width: int, height: int) -> str | None:
     if not isinstance(a, Appearance):
         return f"is no Appearance but a {type(a).__name__}"
     wrong = _number_mistake(a, width, height)
-    if wrong is None and not (isinstance(a.type, str) and a.type and isinstance(a.detector, str) and a.detector):
+    named = a.detector is None or (isinstance(a.detector, str) and a.detector)
+    if wrong is None and not (isinstance(a.type, str) and a.type and named):
         wrong = f"its type {a.type!r:.40} or its detector {a.detector!r:.40} is no name"
     if wrong is None and not isinstance(a.descriptor, bytes | None):
         wrong = f"descriptor is no bytes but a {type(a.descriptor).__name__}"

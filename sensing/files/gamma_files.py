@@ -1,8 +1,7 @@
 """Γ as a file, ``gamma/1`` of the contract: read with every mistake at once, written whole or not at all.
 
 ``{"format": "gamma/1", "camera": {...}, "appearances": [{"id", "type", "uv", "detector", "angle", "scale", "score",
-"arms", "descriptor", "depth", "depth_sigma"}]}`` where all after the detector are optional; a descriptor is base64 of a
-keypoint's, depths are in metres.
+"arms", "descriptor", "depth", "depth_sigma"}]}`` where all after ``uv`` are optional (``GammaRow``).
 """
 
 import base64
@@ -12,13 +11,13 @@ import math
 import sys
 from collections.abc import Collection
 from pathlib import Path
-from typing import Annotated, Any, Literal, Self
+from typing import Annotated, Any, Literal, NotRequired, TypedDict, cast
 
-from pydantic import BaseModel, ConfigDict, Field, ValidationError, model_validator
-
-from geometry.arrays import check_room
-from geometry.camera import Camera, camera_from_dict, camera_mistakes, camera_to_dict
-from geometry.files.plain_files import name_of, parsed_json, text_of
+from geometry.camera import Camera, CameraRow, camera_from_dict, camera_mistakes, camera_to_dict
+from geometry.errors import Mistake
+from geometry.files.documents import Document, parsed_json
+from geometry.files.plain_files import name_of, text_of
+from geometry.json_shapes import Range, Size
 from sensing.appearance import Appearance, Gamma
 from sensing.detectors.keypoint_detector import WIDTH as SIDE
 from sensing.detectors.keypoints import WIDTHS
@@ -29,39 +28,38 @@ MAX_BYTES = 64 * 1024 * 1024
 MAX_APPEARANCES = 20_000
 MAX_DESCRIPTOR = 1024
 """Bytes that a descriptor may have."""
-_ROOM = 4096
-"""Bytes for an appearance while its keys are checked, twice what one with 64 arms took (2,012, by the maximal resident
-set); pydantic ends the process that has none left."""
-_Number = Annotated[float, Field(strict=True, allow_inf_nan=False)]
-_Text = Annotated[str, Field(strict=True, min_length=1, max_length=200)]
+Name = Annotated[str, Size(1, 200)]
+_Above0 = Annotated[float | None, Range(0.0, open_low=True)]
 
 
-class _AppearanceModel(BaseModel):
-    model_config = ConfigDict(extra="forbid")
-    id: _Text
-    type: _Text
-    uv: Annotated[list[_Number], Field(min_length=2, max_length=2)]
-    detector: _Text
-    angle: _Number | None = None
-    scale: Annotated[_Number, Field(gt=0)] | None = None
-    score: _Number | None = None
-    arms: Annotated[list[_Number], Field(max_length=64)] = []
-    descriptor: Annotated[str, Field(strict=True)] | None = None
-    depth: Annotated[_Number, Field(gt=0)] | None = None
-    depth_sigma: Annotated[_Number, Field(gt=0)] | None = None
+class GammaAppearance(TypedDict):
+    """One appearance: something of a type that a detector saw at a place."""
 
-    @model_validator(mode="after")
-    def _both(self) -> Self:
-        if (self.depth is None) != (self.depth_sigma is None):
-            raise ValueError("depth and depth_sigma (m) must be given together")
-        return self
+    id: Annotated[Name, "Its name, of its own in this Γ."]
+    type: Annotated[Name, "One of the KB's `appearance_types`."]
+    uv: Annotated[
+        list[float], Size(2), "Its place in the image, pixels: u to the right, v down; an integer is a pixel's centre."
+    ]
+    detector: NotRequired[Annotated[Name | None, "What reported it; it is told, and nothing depends on it."]]
+    angle: NotRequired[Annotated[float | None, "Its direction on the screen, radians, clockwise from +x."]]
+    scale: NotRequired[Annotated[_Above0, "Its diameter, pixels."]]
+    score: NotRequired[Annotated[float | None, "The detector's own confidence, from 0 to 1."]]
+    arms: NotRequired[
+        Annotated[list[float], Size(0, 64), "Directions of the edges that meet there, of a junction; as `angle`."]
+    ]
+    descriptor: NotRequired[
+        Annotated[str | None, "A keypoint's descriptor, base64 of its bytes: 128 or 138 of SIFT, 32 of ORB."]
+    ]
+    depth: NotRequired[Annotated[_Above0, "Its depth along the camera's z axis, metres; with `depth_sigma`."]]
+    depth_sigma: NotRequired[Annotated[_Above0, "The standard deviation of `depth`, metres."]]
 
 
-class _GammaModel(BaseModel):
-    model_config = ConfigDict(extra="forbid")
+class GammaRow(TypedDict):
+    """Γ: what was detected in one image, and the camera that took it."""
+
     format: Literal["gamma/1"]
-    camera: dict[str, Any]
-    appearances: Annotated[list[_AppearanceModel], Field(max_length=MAX_APPEARANCES)]
+    camera: Annotated[CameraRow, "The camera of the image."]
+    appearances: Annotated[list[GammaAppearance], Size(0, MAX_APPEARANCES), "What was detected, in any order."]
 
 
 def read_gamma(path: str | Path, vocabulary: Collection[str] | None = None) -> Gamma:
@@ -86,24 +84,25 @@ def gamma_from_text(text: str, name: str = "gamma.json", vocabulary: Collection[
 
     Raises GammaError as ``read_gamma`` does.
     """
-    data = parsed_json(text, name, "it should hold appearances", _refused, single=True)
-    return gamma_from_dict(data, name, vocabulary)
+    return _gamma(parsed_json(text, name, "it should hold appearances", _refused, single=True), vocabulary)
 
 
 def gamma_from_dict(data: object, name: str = "gamma.json", vocabulary: Collection[str] | None = None) -> Gamma:
     """Γ from parsed JSON; raises GammaError with every mistake."""
-    given, rows = (data.get("camera"), data.get("appearances")) if isinstance(data, dict) else (None, None)
-    wrong = camera_mistakes(given) if isinstance(given, dict) else []
-    camera = camera_from_dict(given) if isinstance(given, dict) and not wrong else None
-    wrong += _content_mistakes(rows, camera, vocabulary)
-    check_room(_ROOM * min(len(rows), MAX_APPEARANCES) if isinstance(rows, list) else 0)
-    try:
-        model = _GammaModel.model_validate(data)
-    except ValidationError as error:
-        wrong = [_line(e["loc"], e["msg"], e["input"]) for e in error.errors(include_url=False)] + wrong
+    return _gamma(Document(name, data), vocabulary)
+
+
+def _gamma(document: Document, vocabulary: Collection[str] | None) -> Gamma:
+    wrong = [
+        mistake for mistake in document.against(GammaRow) if mistake.place[:1] != ("camera",) or len(mistake.place) < 2
+    ]
+    given = document.data if isinstance(document.data, dict) and not document.is_other(GammaRow) else {}
+    camera_wrong = camera_mistakes(given["camera"], ("camera",)) if isinstance(given.get("camera"), dict) else []
+    camera = None if camera_wrong or not isinstance(given.get("camera"), dict) else camera_from_dict(given["camera"])
+    wrong += camera_wrong + _content_mistakes(given.get("appearances"), camera, vocabulary)
     if wrong or camera is None:
-        raise GammaError([f"{name}: {line}" for line in wrong])
-    return Gamma(camera, tuple(_appearance(a) for a in model.appearances))
+        raise GammaError(document.told(wrong))
+    return Gamma(camera, tuple(_appearance(row) for row in cast("GammaRow", document.data)["appearances"]))
 
 
 def gamma_to_dict(gamma: Gamma) -> dict[str, Any]:
@@ -121,8 +120,8 @@ def appearance_to_dict(appearance: Appearance, *, described: bool = True) -> dic
     Optional ones only where there is a value, its descriptor only where it is to be ``described``.
     """
     a = appearance
-    keys: dict[str, Any] = {"id": a.id, "type": a.type, "uv": list(a.uv), "detector": a.detector}
-    keys |= {key: told for key in ("angle", "scale", "score") if (told := getattr(a, key)) is not None}
+    keys: dict[str, Any] = {"id": a.id, "type": a.type, "uv": list(a.uv)}
+    keys |= {key: told for key in ("detector", "angle", "scale", "score") if (told := getattr(a, key)) is not None}
     if a.arms:
         keys["arms"] = list(a.arms)
     if a.depth is not None:
@@ -141,31 +140,28 @@ def write_gamma(gamma: Gamma, path: str | Path) -> None:
         write_whole(Path(path), text.encode())
 
 
-def _line(loc: tuple[int | str, ...], message: str, value: object) -> str:
-    shown = "" if isinstance(value, (dict, list)) else f", not {value!r:.60}"
-    place = ".".join(str(part) for part in loc)
-    return f"{place + ': ' if place else ''}{message[:1].lower()}{message[1:]}{shown}"
-
-
-def _content_mistakes(rows: object, camera: Camera | None, vocabulary: Collection[str] | None) -> list[str]:
+def _content_mistakes(rows: object, camera: Camera | None, vocabulary: Collection[str] | None) -> list[Mistake]:
     """Mistakes beyond the document's shape: ids given twice, places outside the image, types the KB has not."""
-    lines: list[str] = []
+    found: list[Mistake] = []
     first: dict[str, int] = {}
     known, named = frozenset(vocabulary or ()), ", ".join(sorted(vocabulary or ()))
     for i, row in enumerate(rows[:MAX_APPEARANCES] if isinstance(rows, list) else []):
         if not isinstance(row, dict):
             continue
-        a_id, a_type, uv = row.get("id"), row.get("type"), row.get("uv")
+        a_id, a_type, uv, here = row.get("id"), row.get("type"), row.get("uv"), ("appearances", i)
         if isinstance(a_id, str) and first.setdefault(a_id, i) != i:
-            lines.append(f"appearances.{i}.id: {a_id!r} is already the id of appearances.{first[a_id]}")
+            found.append(Mistake((*here, "id"), f"{a_id!r:.60} is already the id of appearances.{first[a_id]}"))
         if vocabulary is not None and isinstance(a_type, str) and a_type not in known:
-            lines.append(f"appearances.{i}.type: {a_type!r} is no appearance type of the KB ({named})")
+            found.append(Mistake((*here, "type"), f"{a_type!r:.60} is no appearance type of the KB ({named})"))
         if camera is not None and _outside(uv, camera):
-            lines.append(f"appearances.{i}.uv: {uv} is outside the image of {camera.width}x{camera.height}")
+            found.append(Mistake((*here, "uv"), f"{uv} is outside the image of {camera.width}x{camera.height}"))
         wrong = _descriptor_mistake(a_type, row.get("descriptor"))
         if wrong is not None:
-            lines.append(f"appearances.{i}.descriptor: {wrong}")
-    return lines
+            found.append(Mistake((*here, "descriptor"), wrong))
+        if (row.get("depth") is None) != (row.get("depth_sigma") is None):
+            given = "depth_sigma" if row.get("depth") is None else "depth"
+            found.append(Mistake((*here, given), "depth and depth_sigma (m) must be given together"))
+    return found
 
 
 def _descriptor_mistake(a_type: object, text: object) -> str | None:
@@ -196,19 +192,22 @@ def _outside(uv: object, camera: Camera) -> bool:
     return False
 
 
-def _appearance(model: _AppearanceModel) -> Appearance:
-    u, v = model.uv
-    descriptor = None if model.descriptor is None else base64.b64decode(model.descriptor)
+def _appearance(row: GammaAppearance) -> Appearance:
+    (u, v), text = row["uv"], row.get("descriptor")
     return Appearance(
-        model.id,
-        model.type,
-        (u, v),
-        model.detector,
-        model.angle,
-        model.scale,
-        model.score,
-        tuple(model.arms),
-        descriptor,
-        model.depth,
-        model.depth_sigma,
+        row["id"],
+        row["type"],
+        (float(u), float(v)),
+        row.get("detector"),
+        _number(row.get("angle")),
+        _number(row.get("scale")),
+        _number(row.get("score")),
+        tuple(map(float, row.get("arms", ()))),
+        None if text is None else base64.b64decode(text),
+        _number(row.get("depth")),
+        _number(row.get("depth_sigma")),
     )
+
+
+def _number(value: float | None) -> float | None:
+    return None if value is None else float(value)

@@ -16,14 +16,15 @@ are Γ files, which have their own.
 
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import NamedTuple
+from typing import Annotated, Literal, NamedTuple, NotRequired, TypedDict, cast
 
 import numpy as np
 
 from geometry.arrays import Floats, Mask, frozen
-from geometry.camera import Camera, camera_from_dict
-from geometry.errors import CameraError
-from geometry.files.plain_files import json_of, must_be_plain
+from geometry.camera import RIGID, Camera, CameraRow, Pose, camera_from_dict, camera_mistakes
+from geometry.errors import CameraError, Mistake, told
+from geometry.files.documents import read_json
+from geometry.files.plain_files import must_be_plain
 from geometry.files.pose_files import nearest_rigid
 from geometry.frames import is_rigid, transform_points
 from sensing.appearance import Appearance, Gamma
@@ -163,6 +164,15 @@ def _sigma(camera: Camera, uv: Floats, depth: float, pair: Pair, sigma: float) -
     return float(np.sqrt(2.0) * sigma / camera.f / max(step, 1e-12))
 
 
+class StereoRow(TypedDict):
+    """How a stereo pair is calibrated."""
+
+    format: Literal["stereo/1"]
+    T_right_left: Annotated[Pose, "Maps the left camera's coordinates to the right one's; row-major, metres."]
+    left: NotRequired[Annotated[CameraRow, "The left camera; needed where the inputs are images."]]
+    right: NotRequired[Annotated[CameraRow, "The right camera; needed where the inputs are images."]]
+
+
 class Calibration(NamedTuple):
     """The pair, and its cameras where the file has them."""
 
@@ -172,19 +182,19 @@ class Calibration(NamedTuple):
 
 
 def read_stereo(path: Path | str) -> Calibration:
-    """The calibration of a file. Raises CameraError, one line."""
+    """The calibration of a file. Raises CameraError, a line a mistake."""
     must_be_plain(path, CameraError, LARGEST)
-    document = json_of(path, LARGEST, HOLDS, CameraError)
-    if not isinstance(document, dict) or document.get("format") != "stereo/1" or "T_right_left" not in document:
-        raise CameraError(f"{path}: {HOLDS}")
-    unknown = sorted(set(document) - {"format", "T_right_left", "left", "right"})
-    if unknown:
-        raise CameraError(f"{path}: {unknown[0]}: unknown key; it {HOLDS}")
-    pose = nearest_rigid(document["T_right_left"])
-    if pose is None:
-        raise CameraError(f"{path}: T_right_left: must be a rigid 4x4 matrix (row-major, metres)")
-    try:
-        cameras = {side: camera_from_dict(document[side], side) for side in ("left", "right") if side in document}
-        return Calibration(Pair(pose), cameras.get("left"), cameras.get("right"))
-    except CameraError as error:
-        raise CameraError(f"{path}: {error}") from None
+    document = read_json(path, LARGEST, HOLDS, CameraError, single=True)
+    given = document.data if isinstance(document.data, dict) and not document.is_other(StereoRow) else {}
+    sides = [side for side in ("left", "right") if side in given]
+    wrong = [mistake for mistake in document.against(StereoRow) if mistake.place[:1] not in {("left",), ("right",)}]
+    wrong += [mistake for side in sides for mistake in camera_mistakes(given[side], (side,))]
+    if wrong:
+        raise CameraError(told(document.told(wrong)))
+    row = cast("StereoRow", document.data)
+    pose = nearest_rigid(row["T_right_left"])
+    if pose is None or not np.linalg.norm(pose[:3, 3]) > 0.0:
+        what = RIGID if pose is None else "must be a rotation and a translation that is not zero"
+        raise CameraError(told(document.told([Mistake(("T_right_left",), what)])))
+    cameras = {side: camera_from_dict(given[side]) for side in sides}
+    return Calibration(Pair(pose), cameras.get("left"), cameras.get("right"))

@@ -11,6 +11,7 @@ import numpy as np
 import pytest
 from synthetic import belief_at, cycle_of, data, one_before_the_other, perceiver, scene, towers
 
+from geometry.files.documents import Document
 from plogic.base.errors import InterpretationError
 from plogic.cycle.delta import Options, delta_of
 from plogic.face.commands.asking import worlds_command
@@ -161,8 +162,9 @@ def test_what_is_missing_is_one_clear_line(parts, key):
     _, _, document = written(parts, Options())
     del document[key]
     with pytest.raises(InterpretationError) as caught:
-        interpretation_in(document, "file.json")
-    assert str(caught.value) == f"file.json: {key}: is missing"
+        interpretation_in(Document("file.json", document))
+    assert str(caught.value).startswith(f"file.json: {key}: is missing: should be ")
+    assert "\n" not in str(caught.value)
 
 
 def test_facts_between_parts_are_told_and_come_back(parts):

@@ -144,7 +144,7 @@ def test_a_part_of_the_situation_keeps_what_is_said_of_it():
 
 def test_every_mistake_is_told():
     wrong = EvidenceFact((("h2", "h9"), ("h1", "h1")), ((0.5, ("hides",)),), ("h2",))
-    said = "\n".join(faults(told(wrong)))
+    said = "\n".join(fault.what for fault in faults(told(wrong)))
     for part in (
         "'h9' is unknown",
         "paired with itself",

@@ -11,7 +11,7 @@ from typing import Any, Literal, NamedTuple, TypedDict, cast
 import numpy as np
 from numpy.typing import NDArray
 
-from geometry.camera import camera_to_dict
+from geometry.camera import Pose, camera_to_dict
 from kb.clouds.cloud import KnowledgeBase
 from plogic.base.clock import Stopwatch
 from plogic.base.errors import InputError
@@ -24,7 +24,7 @@ from plogic.face.shown import tables
 from plogic.face.shown.options import Moves
 from plogic.face.shown.tables import text_of_table
 from plogic.facts.document import Interpretation, WorldRow
-from plogic.facts.fact_rows import Interval, Pose
+from plogic.facts.fact_rows import Interval
 from plogic.facts.interpretation import situation_of, text_of
 from plogic.facts.situation import Reading
 from plogic.match.gamma.data import data_of

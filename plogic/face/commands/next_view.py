@@ -8,13 +8,13 @@ from typing import Literal, NotRequired, TypedDict, cast
 import numpy as np
 from numpy.typing import NDArray
 
-from geometry.camera import Camera, camera_from_dict
+from geometry.camera import Camera, Pose, camera_from_dict
 from geometry.files.pose_files import read_moves
 from plogic.base.errors import InterpretationError
 from plogic.face.shown.options import Moves
 from plogic.face.shown.tables import text_of_table
 from plogic.facts.document import Interpretation, Marks
-from plogic.facts.fact_rows import Interval, Pose
+from plogic.facts.fact_rows import Interval
 from plogic.facts.interpretation import situation_of
 from plogic.facts.situation import Reading, Situation, stopped_in
 from plogic.scene.readings.unfinished import marks, notice

@@ -127,7 +127,7 @@ class Gamma(sensing_appearance.Gamma, Rows[Appearance]):
     def blocks(self) -> tuple[Block, ...]:
         """One table."""
         names = ("id", "type", "u", "v", "detector")
-        rows = tuple((a.id, a.type, f"{a.uv[0]:.1f}", f"{a.uv[1]:.1f}", a.detector) for a in self.appearances)
+        rows = tuple((a.id, a.type, f"{a.uv[0]:.1f}", f"{a.uv[1]:.1f}", a.detector or "") for a in self.appearances)
         columns = tuple(Column(name, right=name in ("u", "v")) for name in names)
         return (Table(f"{len(rows)} appearances in {self.camera.width}x{self.camera.height}", columns, rows),)
 

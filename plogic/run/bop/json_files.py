@@ -7,7 +7,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from geometry.files.plain_files import fault_of, json_of
+from geometry.files.documents import read_json as document_of
+from geometry.files.plain_files import fault_of
 from geometry.frames import from_rotation_translation
 from plogic.base.errors import InputError
 
@@ -23,7 +24,7 @@ MM = 1000.0
 
 def read_json(path: Path) -> Any:  # noqa: ANN401 - parsed JSON
     """The document of a file. Raises InputError that names it."""
-    return json_of(path, LARGEST, "a BOP file holds lists of objects and of numbers", InputError)
+    return document_of(path, LARGEST, "a BOP file holds lists of objects and of numbers", InputError).data
 
 
 def numbered(path: Path) -> dict[int, Any]:

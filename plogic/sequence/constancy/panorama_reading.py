@@ -11,7 +11,8 @@ from typing import Annotated, Any, Literal
 from pydantic import BaseModel, Field, ValidationError
 
 from geometry.camera import Camera, camera_from_dict, camera_mistakes
-from geometry.files.plain_files import json_of
+from geometry.errors import Mistake
+from geometry.files.documents import Document, read_json
 from geometry.frames import is_rigid
 from plogic.base.errors import InputError
 from plogic.sequence.constancy.result import SeenFeature, Sighting
@@ -69,8 +70,8 @@ def unknown_of(path: str, wanted: str) -> tuple[SeenFeature, ...]:
     Raises:
         InputError: The file's mistakes, a line each; or there is no such object.
     """
-    name = "<stdin>" if path == "-" else path
-    panorama = _checked(_parsed(path), name)
+    document = read_json(path, LARGEST, "it should hold views and what was seen in them", InputError)
+    name, panorama = document.name, _checked(document)
     unknown = {one.id: one for one in panorama.unknown}
     if wanted not in unknown:
         raise InputError(
@@ -97,30 +98,26 @@ def _seen(
     return SeenFeature(feature.type, np.array(feature.at), sightings)
 
 
-def _parsed(path: str) -> object:
-    return json_of(path, LARGEST, "it should hold views and what was seen in them", InputError)
-
-
-def _checked(data: object, name: str) -> _PanoramaModel:
+def _checked(document: Document) -> _PanoramaModel:
     try:
-        panorama = _PanoramaModel.model_validate(data)
+        panorama = _PanoramaModel.model_validate(document.data)
     except ValidationError as error:
-        raise _mistaken(name, [_line(e["loc"], e["msg"]) for e in error.errors(include_url=False)]) from None
-    mistakes = _twice("views", [view.id for view in panorama.views]) + _twice(
-        "unknown", [one.id for one in panorama.unknown]
-    )
+        found = [(e["loc"], e["msg"]) for e in error.errors(include_url=False)]
+        raise _mistaken(document, [Mistake(loc, f"{what[:1].lower()}{what[1:]}") for loc, what in found]) from None
+    mistakes = _twice("views", [view.id for view in panorama.views])
+    mistakes += _twice("unknown", [one.id for one in panorama.unknown])
     for i, view in enumerate(panorama.views):
-        mistakes += camera_mistakes(view.interpretation.camera, f"views.{i}.interpretation.camera")
-        mistakes += (
-            [] if is_rigid(view.T_world_camera) else [f"views.{i}.T_world_camera: must be a rigid 4x4 transform"]
-        )
+        mistakes += camera_mistakes(view.interpretation.camera, ("views", i, "interpretation", "camera"))
+        if not is_rigid(view.T_world_camera):
+            mistakes.append(Mistake(("views", i, "T_world_camera"), "must be a rigid 4x4 transform"))
     known = {view.id: {a.id: a.type for a in view.interpretation.appearances} for view in panorama.views}
     for i, one in enumerate(panorama.unknown):
         for j, feature in enumerate(one.features):
-            mistakes += [f"unknown.{i}.features.{j}.data: {wrong}" for wrong in _data_mistakes(feature, known)]
-            mistakes += _at_a_camera(f"unknown.{i}.features.{j}.at", feature, panorama)
+            here = ("unknown", i, "features", j)
+            mistakes += [Mistake((*here, "data"), wrong) for wrong in _data_mistakes(feature, known)]
+            mistakes += [Mistake((*here, "at"), wrong) for wrong in _at_a_camera(feature, panorama)]
     if mistakes:
-        raise _mistaken(name, mistakes)
+        raise _mistaken(document, mistakes)
     return panorama
 
 
@@ -139,7 +136,7 @@ def _data_mistakes(feature: _FeatureModel, known: dict[str, dict[str, str]]) -> 
     return lines
 
 
-def _at_a_camera(where: str, feature: _FeatureModel, panorama: _PanoramaModel) -> list[str]:
+def _at_a_camera(feature: _FeatureModel, panorama: _PanoramaModel) -> list[str]:
     """A feature in a camera's own place has no direction from it."""
     eyes = {view.id: [row[3] for row in view.T_world_camera[:3]] for view in panorama.views}
     near = [
@@ -147,18 +144,15 @@ def _at_a_camera(where: str, feature: _FeatureModel, panorama: _PanoramaModel) -
         for view in feature.data
         if view in eyes and max(abs(a - b) for a, b in zip(feature.at, eyes[view], strict=True)) < 1e-6
     ]
-    return [f"{where}: lies in the camera of {view}" for view in near]
+    return [f"lies in the camera of {view}" for view in near]
 
 
-def _twice(key: str, ids: list[str]) -> list[str]:
-    return [f"{key}: {name!r:.80} is the id of two" for name in sorted({name for name in ids if ids.count(name) > 1})]
+def _twice(key: str, ids: list[str]) -> list[Mistake]:
+    twice = sorted({name for name in ids if ids.count(name) > 1})
+    return [Mistake((key,), f"{name!r:.80} is the id of two") for name in twice]
 
 
-def _line(loc: tuple[int | str, ...], message: str) -> str:
-    place = ".".join(str(part) for part in loc)
-    return f"{place + ': ' if place else ''}{message[:1].lower()}{message[1:]}"
-
-
-def _mistaken(name: str, lines: list[str]) -> InputError:
-    more = [f"{name}: and {len(lines) - MOST_MISTAKES} more mistakes"] if len(lines) > MOST_MISTAKES else []
-    return InputError("\n".join([f"{name}: {line}" for line in lines[:MOST_MISTAKES]] + more))
+def _mistaken(document: Document, mistakes: list[Mistake]) -> InputError:
+    more = len(mistakes) - MOST_MISTAKES
+    said = [f"{document.name}: and {more} more mistakes"] if more > 0 else []
+    return InputError("\n".join(document.told(mistakes[:MOST_MISTAKES]) + said))

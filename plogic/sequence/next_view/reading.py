@@ -13,14 +13,14 @@ from typing import TypedDict, cast
 import numpy as np
 
 from geometry.arrays import Floats
+from geometry.camera import CameraRow, Pose
 from geometry.errors import GeometryError
 from geometry.frames import inverse, is_rigid
 from geometry.visibility.rays import RayMesh
 from kb.clouds.lobes import LobeTable
 from plogic.base.errors import InterpretationError
-from plogic.base.shapes import mistakes
-from plogic.facts.document import AssetsRow, CameraRow, Interpretation, Marks, SensingRow, TypeRow, WorldRow
-from plogic.facts.fact_rows import Interval, PairRow, Pose
+from plogic.facts.document import AssetsRow, Interpretation, Marks, SensingRow, TypeRow, WorldRow
+from plogic.facts.fact_rows import Interval, PairRow
 from plogic.facts.interpretation import interpretation_in, parsed
 from plogic.facts.situation import Reading, stopped_in
 from plogic.scene.readings.unfinished import marks
@@ -137,17 +137,16 @@ def read_looked(path: Path | str) -> Interpretation | LastView:
 
     Raises InterpretationError, a line a mistake.
     """
-    name = "<stdin>" if str(path) == "-" else str(path)
     document = parsed(path)
-    if not isinstance(document, dict) or document.get("format") != FORMAT:
-        return interpretation_in(document, name, f"{{}} or {FORMAT!r}")
-    wrong = mistakes(document, Panorama)
+    if not isinstance(document.data, dict) or document.data.get("format") != FORMAT:
+        return interpretation_in(document, f"{{}} or {FORMAT!r}")
+    wrong = document.told(document.against(Panorama))
     if wrong:
-        raise InterpretationError(*(f"{name}: {line}{OLDER if line.endswith('is missing') else ''}" for line in wrong))
+        raise InterpretationError(*(f"{line}{OLDER if 'is missing: ' in line else ''}" for line in wrong))
     try:
-        return of_last_view(cast("Panorama", document))
+        return of_last_view(cast("Panorama", document.data))
     except ValueError as error:
-        raise InterpretationError(f"{name}: {error}") from error
+        raise InterpretationError(f"{document.name}: {error}") from error
 
 
 def of_last_view(panorama: Panorama) -> LastView:

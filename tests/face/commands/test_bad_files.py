@@ -158,15 +158,15 @@ def axis(number):
 
 
 INFOS = {
-    "deep": (f'{{"1": {DEEP}}}', "models_info.json: is nested too deeply"),
+    "deep": (f'{{"1": {DEEP}}}', ": is nested too deeply"),
     "400 digits": (
         axis(HUGE),
         "models_info.json: obj_000001: symmetries_continuous: must be 3 finite numbers below 1e+09, not [999",
     ),
-    "5000 digits": (axis("9" * 5000), "models_info.json: holds a whole number of more digits than can be read"),
+    "5000 digits": (axis("9" * 5000), "models_info.json:1:44: holds a whole number of more digits than can be read"),
     "a huge exponent": (axis("1e308"), "must be 3 finite numbers below 1e+09, not [1e+308"),
     "texts": (axis('"1"'), "must be 3 finite numbers below 1e+09, not ['1', 0, 0]"),
-    "no UTF-8": (b'{"1": "\xff"}', "models_info.json: is no JSON: byte 7 is no UTF-8"),
+    "no UTF-8": (b'{"1": "\xff"}', "models_info.json:1:8: is no JSON: byte 7 is no UTF-8"),
     "cut off": ('{"1":\n {', "models_info.json:2:3: is no JSON: Expecting property name"),
     "a loop": (loop, f"models_info.json: {LOOP}"),
     "a pipe": (os.mkfifo, f"models_info.json: {PIPE}"),

@@ -6,6 +6,7 @@ Bad usage: exit 2.
 from __future__ import annotations
 
 import json
+import re
 import shutil
 
 import pytest
@@ -95,11 +96,11 @@ GAMMAS = {
     "a duplicate id": ({"appearances": [ONE, ONE]}, ["appearances.1.id: 'a1' is already the id of appearances.0"]),
     "a NaN": (
         {"appearances": [{**ONE, "uv": [float("nan"), 3]}]},
-        ["appearances.0.uv.0: input should be a finite number, not nan"],
+        ["appearances.0.uv.0: nan is not a number"],
     ),
     "an infinite angle": (
         {"appearances": [{**ONE, "angle": float("inf")}]},
-        ["appearances.0.angle: input should be a finite number"],
+        ["appearances.0.angle: inf is not a number"],
     ),
     "an unknown type": (
         {"appearances": [{**ONE, "type": "zork"}]},
@@ -109,7 +110,7 @@ GAMMAS = {
         {"appearances": [{**ONE, "uv": [640.0, 3]}]},
         ["appearances.0.uv: [640.0, 3] is outside the image of 640x480"],
     ),
-    "another format": ({"format": "gamma/9"}, ["format: input should be 'gamma/1', not 'gamma/9'"]),
+    "another format": ({"format": "gamma/9"}, ["gamma.json:1:12: format: 'gamma/9' should be 'gamma/1'"]),
     "no camera": ({"camera": None}, ["camera: "]),
     "a camera with a NaN": (
         {"camera": {"width": 640, "height": 480, "K": [[float("nan"), 0, 1], [0, 1, 1], [0, 0, 1]]}},
@@ -119,7 +120,7 @@ GAMMAS = {
         {"appearances": [{**ONE, "type": "zork"}, {**ONE, "uv": [1.0]}]},
         [
             "appearances.0.type: 'zork'",
-            "appearances.1.uv: list should have at least 2",
+            "appearances.1.uv: a list of 1, and not of 2",
             "appearances.1.id: 'a1' is already",
         ],
     ),
@@ -133,18 +134,18 @@ def test_a_bad_gamma(kind, tmp_path, gamma):
     (tmp_path / "gamma.json").write_text(text)
     lines = refused(tmp_path, "perceive", "gamma.json", "--kb", "towers", "-o", "out.json", "--report", "page.html")
     assert_lines(lines, wanted)
-    assert all(line.startswith("gamma.json: ") for line in lines)
+    assert all(re.match(r"gamma\.json:1:\d+: ", line) for line in lines)
 
 
 def test_a_bad_gamma_on_stdin_is_called_so(tmp_path, gamma):
     text = json.dumps({**gamma, "appearances": [ONE, ONE]})
     assert_lines(
         refused(tmp_path, "perceive", "-", "--kb", "towers", "-o", "out.json", stdin=text),
-        ["<stdin>: appearances.1.id"],
+        ["<stdin>:1:539: appearances.1.id"],
     )
     assert_lines(refused(tmp_path, "perceive", "-", "--kb", "towers"), ["<stdin>:1:1: is no JSON"])
     assert_lines(
-        refused(tmp_path, "kb", "measures", "towers", "--gamma", "-", stdin=text), ["<stdin>: appearances.1.id"]
+        refused(tmp_path, "kb", "measures", "towers", "--gamma", "-", stdin=text), ["<stdin>:1:539: appearances.1.id"]
     )
 
 
@@ -154,7 +155,7 @@ IMAGES = {
     ("image.png", "--camera", "nowhere.json"): "nowhere.json: cannot be read: No such file",
     ("image.png", "--camera", "empty.json"): "empty.json: must be a camera",
     ("image.png", "--camera", "folder.json"): "folder.json: cannot be read: Is a directory",
-    ("image.png", "--camera", "image.png"): "image.png: ",
+    ("image.png", "--camera", "image.png"): "image.png:1:1: is no camera: byte 0 is no UTF-8",
     ("nowhere.png", "--camera", "camera.json"): "nowhere.png: cannot be read: No such file",
     ("empty.png", "--camera", "camera.json"): "empty.png: is empty",
     ("text.png", "--camera", "camera.json"): "text.png: is not an image",

@@ -8,6 +8,7 @@ import pytest
 from console import plogic
 from stock_worlds import stock
 
+from geometry.files.documents import Document
 from geometry.visibility.roc import converse
 from plogic import Error, Interpretation
 from plogic.facts.interpretation import interpretation_in, situation_of
@@ -76,7 +77,7 @@ def test_what_is_no_hypothesis_cannot_be_withheld(file, tmp_path):
 
 
 def test_it_is_written_and_read_again(without):
-    again = interpretation_in(json.loads(json.dumps(without)), "again")
+    again = interpretation_in(Document("again", json.loads(json.dumps(without))))
     assert situation_of(again) == situation_of(without)
     assert situation_of(again).withheld == {"h2"}
     assert all("h2" not in f.hidden_by for h in situation_of(again).hypotheses for f in h.features)

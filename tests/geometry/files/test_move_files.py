@@ -45,10 +45,13 @@ def test_a_place_in_the_world_needs_to_know_where_the_camera_is(tmp_path):
     ("document", "told"),
     [
         ("{", "JSON"),
-        ({"format": "other/1"}, "should be 'moves/1'"),
-        ({"format": "moves/1", "moves": []}, "at least one"),
+        (
+            {"format": "other/1", "moves": [{"T_world_camera": np.eye(4).tolist()}]},
+            ":1:12: format: 'other/1' should be 'moves/1'",
+        ),
+        ({"format": "moves/1", "moves": []}, ":1:32: moves: a list of 0, and not of 1"),
         ({"format": "moves/1", "moves": [{}]}, r"moves\.0: .*one of"),
-        ({"format": "moves/1", "moves": [{"T_world_camera": [[1]]}]}, r"moves\.0\.T_world_camera: must be a rigid"),
+        ({"format": "moves/1", "moves": [{"T_world_camera": [[1]]}]}, r"moves\.0\.T_world_camera: should be a rigid"),
         ({"format": "moves/1", "moves": [{"T_present_candidate": np.diag([2, 1, 1, 1]).tolist()}]}, "rigid"),
     ],
 )

@@ -194,11 +194,11 @@ def test_every_mistake_is_reported_at_once():
         document["format"] = "gamma/2"
         document["appearances"][0]["uv"] = [math.nan, 1]
         document["appearances"][1]["id"] = "a1"
-        del document["appearances"][1]["detector"]
+        del document["appearances"][1]["type"]
         document["camera"]["width"] = -3
 
     text = "\n".join(mistakes(change))
-    for place in ("format", "appearances.0.uv.0", "appearances.1.id", "appearances.1.detector", "camera"):
+    for place in ("format", "appearances.0.uv.0", "appearances.1.id", "appearances.1.type", "camera"):
         assert f"gamma.json: {place}" in text
 
 

@@ -124,8 +124,8 @@ def test_a_calibration_is_read(tmp_path):
 @pytest.mark.parametrize(
     ("document", "words"),
     [
-        ({}, "should be"),
-        ({"format": "stereo/1"}, "should be"),
+        ({}, "format: is missing: should be 'stereo/1'"),
+        ({"format": "stereo/1"}, "T_right_left: is missing: should be a rigid 4x4"),
         ({"format": "stereo/1", "T_right_left": ASIDE.tolist(), "lefft": 3}, "lefft: unknown key"),
         ({"format": "stereo/1", "T_right_left": np.eye(4).tolist()}, "not zero"),
         ({"format": "stereo/1", "T_right_left": [[1]]}, "rigid 4x4"),

@@ -95,11 +95,14 @@ def test_what_the_worlds_of_a_sequence_do_not_say_is_refused(tmp_path, options, 
 @pytest.mark.parametrize(
     ("spoil", "says"),
     [
-        (lambda d: d.pop("rivals"), "rivals: is missing; if it is an older one, perceive the sequence again"),
+        (
+            lambda d: d.pop("rivals"),
+            "rivals: is missing: should be a list, each a list of 2, each a text; if it is an older one, perceive the sequence again",
+        ),
         (lambda d: d.update(views=[]), "views: there is none"),
         (
             lambda d: d["views"][0].update(T_world_camera=[[1, 0, 0, 0]]),
-            "views.0.T_world_camera: a list of 1, and not of 4",
+            "views.0.T_world_camera: should be a rigid 4x4",
         ),
         (
             lambda d: d["hypotheses"][0].update(T_world_object=np.diag([1.0, 2.0, 1.0, 1.0]).tolist()),

@@ -64,7 +64,10 @@ def test_the_pair_is_one_viewpoint_and_stands_better(pair):
     [
         (["left.json", "--stereo", "stereo.json"], "--stereo: takes two INPUTs"),
         (["left.json", "right.json", "--stereo", "none.json"], "none.json: is missing"),
-        (["left.json", "right.json", "--stereo", "left.json"], "left.json: should be"),
+        (
+            ["left.json", "right.json", "--stereo", "left.json"],
+            "left.json:2:12: format: 'gamma/1' should be 'stereo/1'",
+        ),
         (
             ["left.json", "picture.png", "--stereo", "stereo.json"],
             "picture.png: an image needs its camera: stereo.json",

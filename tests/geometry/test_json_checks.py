@@ -1,20 +1,20 @@
 """Documents against their shapes.
 
-Each mistake with its place, all of them at once, and the verdict that pydantic comes to.
+Each mistake with its place, all of them at once, and the verdict that JSON Schema comes to.
 """
 
 import copy
-from functools import reduce
-from operator import or_
-from types import UnionType
-from typing import Annotated, Any, Literal, NotRequired, TypedDict, get_args, get_origin, get_type_hints, is_typeddict
+from typing import Annotated, Literal, NotRequired, TypedDict
 
 import numpy as np
 import pytest
-from pydantic import ConfigDict, Field, ValidationError, create_model
+from jsonschema import Draft202012Validator
 from situations import towers
+from spoilt_documents import spoilt
 
-from plogic.base.shapes import Range, Row, Size, mistakes
+from geometry.files.json_schema import schema_of
+from geometry.json_checks import mistakes
+from geometry.json_shapes import Lengths, Range, Row, Rule, Size
 from plogic.facts.document import Interpretation
 from plogic.facts.interpretation import FORMAT, facts_of, hypothesis_document
 
@@ -42,6 +42,10 @@ class Sheet(TypedDict):
     flag: bool
     row: Annotated[list[str | float], Row(str, float)]
     table: NotRequired[dict[str, float | None]]
+    above: NotRequired[Annotated[float | None, Range(0.0, open_low=True), "More than nothing."]]
+    some: NotRequired[Annotated[list[float], Lengths(0, 4)]]
+    pose: NotRequired[Annotated[list[list[float]], Size(2), Rule("should be two lists")]]
+    more: NotRequired[Annotated[Part, "A leaf."]]
 
 
 GOOD = {
@@ -61,8 +65,15 @@ def test_a_right_one_has_no_mistake():
 @pytest.mark.parametrize(
     ("spoil", "said"),
     [
-        (lambda d: d.pop("count"), "count: is missing"),
-        (lambda d: d.update(more=1), "more: unknown key"),
+        (lambda d: d.pop("count"), "count: is missing: should be a whole number"),
+        (
+            lambda d: d.update(less=1),
+            "less: unknown key; known are nodes, share, count, flag, row, table, above, some, pose, more",
+        ),
+        (lambda d: d.update(above=0), "above: 0 is not a number above 0.0"),
+        (lambda d: d.update(some=[1]), "some: a list of 1, and not of 0 or 4"),
+        (lambda d: d.update(pose=[[1], ["x"]]), "pose: should be two lists, not [[1], ['x']]"),
+        (lambda d: d.update(more=3), "more: 3 is no object with the keys kind, name"),
         (lambda d: d.update(share=1.5), "share: 1.5 is not a number from 0.0 to 1.0"),
         (lambda d: d.update(share=True), "share: True is not a number from 0.0 to 1.0"),
         (lambda d: d.update(share=float("nan")), "share: nan is not a number from 0.0 to 1.0"),
@@ -75,7 +86,7 @@ def test_a_right_one_has_no_mistake():
         (lambda d: d["nodes"][0].update(name=""), "nodes.0.name: a text of 0 characters, and not of 1 to 3"),
         (lambda d: d["nodes"][1]["parts"][0].update(kind="whole"), "nodes.1.parts.0.kind: 'whole' should be 'part'"),
         (lambda d: d["nodes"][0].update(kind="hole"), "nodes.0.kind: 'hole' should be one of part, whole"),
-        (lambda d: d["nodes"][0].pop("kind"), "nodes.0.kind: is missing"),
+        (lambda d: d["nodes"][0].pop("kind"), "nodes.0.kind: is missing: should be one of part, whole"),
         (lambda d: d.update(nodes={}), "nodes: {} is no list"),
     ],
 )
@@ -91,45 +102,12 @@ def test_all_mistakes_are_told_at_once():
     document = copy.deepcopy(GOOD) | {"share": -1, "count": "x"}
     document["nodes"][1]["parts"] = [{"kind": "part"}, {"kind": "part", "name": 7, "age": 1}]
     assert mistakes(document, Sheet) == [
-        "nodes.1.parts.0.name: is missing",
+        "nodes.1.parts.0.name: is missing: should be a text",
         "nodes.1.parts.1.name: 7 is no text",
-        "nodes.1.parts.1.age: unknown key",
+        "nodes.1.parts.1.age: unknown key; known are kind, name",
         "share: -1 is not a number from 0.0 to 1.0",
         "count: 'x' is not a whole number",
     ]
-
-
-def model_of(shape: Any) -> Any:
-    """The pydantic type of a shape, which forbids what the shape does not name."""
-    origin, args = get_origin(shape), get_args(shape)
-    if origin is NotRequired:
-        return model_of(args[0])
-    if is_typeddict(shape):
-        hints, required = get_type_hints(shape, include_extras=True), shape.__required_keys__
-        fields = {key: (model_of(of), ... if key in required else None) for key, of in hints.items()}
-        return create_model(shape.__name__, __config__=ConfigDict(extra="forbid", strict=True), **fields)
-    if origin is Annotated:
-        return bounded(*args)
-    if origin is UnionType:
-        return reduce(or_, map(model_of, args))
-    if origin in (list, dict):
-        shape = origin[tuple(map(model_of, args))]
-    return number() if shape is float else shape
-
-
-def bounded(of: Any, bound: Any) -> Any:
-    """The pydantic type of a shape with its bound."""
-    if isinstance(bound, Row):
-        return Annotated[tuple[tuple(map(model_of, bound))], Field(strict=False)]
-    if isinstance(bound, Size):
-        least, most, _ = bound.ends()
-        return Annotated[model_of(of), Field(min_length=least, max_length=most)]
-    high = {} if bound.high == Range().high else {"le": bound.high}
-    return Annotated[int, Field(ge=bound.low, **high)] if of is int else number(ge=bound.low, **high)
-
-
-def number(**bounds: float) -> Any:
-    return Annotated[float, Field(allow_inf_nan=False, **bounds)]
 
 
 def interpretation():
@@ -150,38 +128,17 @@ def interpretation():
     }
 
 
-def spoilt(document: Any, rng: np.random.Generator) -> Any:
-    """A copy in which one value, anywhere, is another, or is gone, or has a neighbour."""
-
-    def one_of(some: Any) -> Any:
-        return some[int(rng.integers(len(some)))]
-
-    document = copy.deepcopy(document)
-    at, key = document, one_of(sorted(document))
-    while isinstance(at[key], (list, dict)) and at[key] and rng.random() < 0.85:
-        at = at[key]
-        key = one_of(sorted(at)) if isinstance(at, dict) else int(rng.integers(len(at)))
-    what = one_of(["gone", "other", "neighbour"])
-    if what == "neighbour" and isinstance(at, dict):
-        at["strange"] = 1
-    elif what == "gone" and isinstance(at, dict):
-        del at[key]
-    else:
-        at[key] = one_of([None, True, 1, -1, 2.5, "text", "", [], {}, [1.0, 2.0], float("inf")])
-    return document
-
-
-def test_pydantic_comes_to_the_same_verdict():
-    """500 documents, each with one change: refused by both or by neither."""
-    model, rng, whole = model_of(Interpretation), np.random.default_rng(5), interpretation()
+def test_the_schema_comes_to_the_same_verdict():
+    """500 documents, each with one change: refused by jsonschema and by our check, or by neither."""
+    validator, rng, whole = (
+        Draft202012Validator(schema_of(Interpretation, "")),
+        np.random.default_rng(5),
+        interpretation(),
+    )
     verdicts = []
     for _ in range(500):
         document = spoilt(whole, rng)
-        try:
-            model.model_validate(document)
-            other = True
-        except ValidationError:
-            other = False
+        other = validator.is_valid(document)
         mine = mistakes(document, Interpretation)
         assert (not mine) == other, mine
         verdicts.append(other)
