@@ -8,7 +8,7 @@ from typing import Any
 import click
 
 from plogic.face.authoring.kb_group import kb
-from plogic.face.commands.clicked import batch, bop, measures, next_view
+from plogic.face.commands.clicked import batch, bop, measures, next_view, schema
 from plogic.face.shown.options import (
     AS_JSON,
     BEST_BY,
@@ -40,7 +40,7 @@ from plogic.face.shown.options import (
 )
 
 SIZED = "places", "scale", "panorama", "stereo", "constancy", "look-again", "occlusion", "attention"
-BENCHES = "towers", "worlds", "recognition", "box", "clutter", "many", "calibration", "batch", *SIZED
+BENCHES = "towers", "worlds", "programs", "recognition", "box", "clutter", "many", "calibration", "batch", *SIZED
 NO_MEMORY = "failed to map segment", "Cannot allocate memory", "Insufficient memory", "can't start new thread"
 """What libraries say in whose errors memory ran out."""
 
@@ -255,12 +255,12 @@ def simulate(kb_folder: str, number: int, decoys: int, seed: int, out: Path, **o
     type=Number(0.0, min_open=True),
     default=60.0,
     show_default=True,
-    help="Seconds of a stock run (`worlds`) or of a peer (`recognition`, `clutter`, `many`).",
+    help="Seconds of a stock run (`worlds`, `programs`) or of a peer (`recognition`, `clutter`, `many`).",
 )
 @click.option(
     "--quick",
     is_flag=True,
-    help="Small sizes of `worlds`, the box alone, few scenes or trials of the others; not of `towers`.",
+    help="Small sizes of `worlds` and `programs`, the box alone, few scenes or trials of the others; not of `towers`.",
 )
 @click.option(
     "--picture",
@@ -294,6 +294,7 @@ cli.add_command(bop)
 cli.add_command(batch)
 cli.add_command(next_view)
 cli.add_command(measures)
+cli.add_command(schema)
 
 
 def _warn(source: str, *, trust: bool) -> None:

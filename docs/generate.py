@@ -1,6 +1,6 @@
 """Write the generated pages of docs, and what the commands of README.md and the guides print.
 
-The pages are vocabulary.md, commands.md, api.md, and architecture.md with its drawing.
+The pages are vocabulary.md, commands.md, formats.md, api.md, and architecture.md with its drawing.
 
 ``python docs/generate.py`` does all of it; ``--quick`` leaves README and guides alone. A test holds all of them to what
 this would write. ``--occlusion BENCH.json`` writes docs/occlusion.md and its composition table alone, from
@@ -22,6 +22,7 @@ from typing import TYPE_CHECKING
 import click
 from api_page import api
 from architecture import drawing, page
+from formats_page import page as formats
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -132,6 +133,7 @@ def main() -> None:
     (HERE / "vocabulary.md").write_text(vocabulary(), encoding="utf-8")
     (HERE / "commands.md").write_text(commands(), encoding="utf-8")
     (HERE / "api.md").write_text(api(), encoding="utf-8")
+    (HERE / "formats.md").write_text(formats(), encoding="utf-8")
     (HERE / "architecture.md").write_text(page(), encoding="utf-8")
     (HERE / "architecture.svg").write_text(drawing(), encoding="utf-8")
     if "--quick" not in sys.argv[1:]:

@@ -17,7 +17,8 @@ from numpy.typing import ArrayLike
 from geometry.arrays import Floats, Mask, frozen, last_axes
 from geometry.errors import CameraError, Keys, Mistake, told
 from geometry.frames import inverse, is_rigid
-from geometry.json_shapes import Lengths, Range, Row, Rule, Size, check_of
+from geometry.json_checks import check_of
+from geometry.json_shapes import Lengths, Range, Row, Rule, Size
 
 LENGTHS = (0, 4, 5, 8, 12, 14)  # the numbers of coefficients that OpenCV knows
 _ROUNDS = 30  # of Newton's method in `undistort`; five are enough for a usual lens
@@ -138,7 +139,7 @@ class CameraRow(TypedDict):
         list[list[float]],
         _Rows,
         Rule("should be [[fx, skew, cx], [0, fy, cy], [0, 0, 1]]"),
-        "`[[fx, skew, cx], [0, fy, cy], [0, 0, 1]]`, pixels; an integer pixel is a pixel's centre.",
+        "Focal lengths, skew and principal point, pixels; an integer pixel is a pixel's centre.",
     ]
     dist: NotRequired[
         Annotated[

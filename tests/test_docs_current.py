@@ -97,6 +97,10 @@ def test_the_page_of_the_face_for_python_is_current(generate):
     assert read(DOCS / "api.md") == generate.api(), HOW + " --quick"
 
 
+def test_the_page_of_formats_is_current(generate):
+    assert read(DOCS / "formats.md") == generate.formats(), HOW + " --quick"
+
+
 def test_the_drawing_of_floors_and_rooms_is_current(generate):
     assert read(DOCS / "architecture.md") == generate.page(), HOW + " --quick"
     assert read(DOCS / "architecture.svg") == generate.drawing(), HOW + " --quick"

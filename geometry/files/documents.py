@@ -13,7 +13,7 @@ from typing import Any, NamedTuple, get_args
 
 from geometry.errors import Keys, Mistake
 from geometry.files.plain_files import name_of, text_of
-from geometry.json_shapes import check_of
+from geometry.json_checks import check_of
 
 DEEPEST = 100
 """Levels of nesting at which a document is called too deep, once it cannot be read; ours have below twenty."""

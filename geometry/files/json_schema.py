@@ -38,6 +38,11 @@ def summary(table: Any) -> str:  # noqa: ANN401 - a TypedDict
     return " ".join((inspect.getdoc(table) or "").split())
 
 
+def name_of(table: Any) -> str:  # noqa: ANN401 - a TypedDict
+    """What a table is called."""
+    return str(table.__name__).removesuffix("Row")
+
+
 def _schema(shape: Any, tables: dict[str, Schema]) -> Schema:  # noqa: ANN401 - a type
     parts = parts_of(shape)
     said = {"description": parts.meaning} if parts.meaning else {}
@@ -50,7 +55,7 @@ def _schema(shape: Any, tables: dict[str, Schema]) -> Schema:  # noqa: ANN401 - 
 
 def _name_of(table: Any, tables: dict[str, Schema]) -> str:  # noqa: ANN401 - a TypedDict
     """The name of a table, which is now among ``tables``."""
-    name = str(table.__name__)
+    name = name_of(table)
     if name not in tables:
         tables[name] = {}  # it may hold itself
         keys = table.__annotations__

@@ -1,7 +1,7 @@
 """The shapes of ``interpretation/1`` and ``truth/1``: every object of a document, with its keys, types and bounds.
 
 The classes are types of what ``json`` reads and writes: a document is checked against them once, where it is read
-(``geometry.json_shapes``), and every function that takes one says which. Keys that older documents lack, and those that
+(``geometry.json_checks``), and every function that takes one says which. Keys that older documents lack, and those that
 only a writer needs, are not required; the writer tells all of them.
 """
 
@@ -33,198 +33,217 @@ Status = Literal["accepted", "rival", "open"]
 class KBRow(TypedDict):
     """The knowledge base that was perceived with."""
 
-    name: Name
-    digest: Name
+    name: Annotated[Name, "Its name."]
+    digest: Annotated[Name, "SHA-256 of its files."]
 
 
 class AppearanceRow(TypedDict):
     """One datum of Γ; ``clutter`` per pixel²."""
 
-    id: Name
-    type: Name
-    uv: Point2
-    clutter: Positive
-    detector: NotRequired[Name]
-    angle: NotRequired[float]
-    scale: NotRequired[float]
-    score: NotRequired[float]
-    arms: NotRequired[Annotated[list[float], Size(0, 64)]]
-    depth: NotRequired[float]
-    depth_sigma: NotRequired[float]
+    id: Annotated[Name, "Its name."]
+    type: Annotated[Name, "Its appearance type."]
+    uv: Annotated[Point2, "Its place in the image, pixels."]
+    clutter: Annotated[Positive, "Rate of noise of this type, per pixel²."]
+    detector: NotRequired[Annotated[Name, "What reported it."]]
+    angle: NotRequired[Annotated[float, "Its direction on the screen, radians, clockwise from +x."]]
+    scale: NotRequired[Annotated[float, "Its diameter, pixels."]]
+    score: NotRequired[Annotated[float, "The detector's confidence."]]
+    arms: NotRequired[Annotated[list[float], Size(0, 64), "Directions of the edges that meet there; as `angle`."]]
+    depth: NotRequired[Annotated[float, "Its depth along the camera's z axis, m."]]
+    depth_sigma: NotRequired[Annotated[float, "The standard deviation of the depth, m."]]
 
 
 class StandsKey(TypedDict):
     """For how many features one stands, where it is not for itself."""
 
-    stands_for: NotRequired[Count]
+    stands_for: NotRequired[Annotated[Count, "For how many features this one stands, itself among them."]]
 
 
 class SeenRow(StandsKey):
     """What is told of any feature; ``case`` beside Δi."""
 
-    id: Name
-    type: Name
-    uv: Point2
-    in_image: bool
-    in_lobe: bool
-    self_hidden: bool
-    hidden_by: list[Name]
-    match: Name | None
-    case: NotRequired[Case | None]
+    id: Annotated[Name, "The feature's name, with the parts that it is in: `roof/apex`."]
+    type: Annotated[Name, "Its feature type."]
+    uv: Annotated[Point2, "Its predicted place in the image, pixels."]
+    in_image: Annotated[bool, "Whether that lies in the image."]
+    in_lobe: Annotated[bool, "Whether the camera is where the feature can be seen from."]
+    self_hidden: Annotated[bool, "Whether its own object hides it."]
+    hidden_by: Annotated[list[Name], "The hypotheses that hide it."]
+    match: Annotated[Name | None, "The appearance that it is matched with; null: none."]
+    case: NotRequired[
+        Annotated[
+            Case | None,
+            "A: expected and detected, B: neither, C: missed, D: detected alone.",
+        ]
+    ]
 
 
 class FeatureRow(SeenRow):
     """One feature of a hypothesis of Δh; ``expected`` and ``detected`` beside Δi."""
 
-    at: Point3
-    dv: Positive
-    residual: float | None
-    density: Positive
-    hit_rate: Chance
-    expected: NotRequired[bool]
-    detected: NotRequired[bool]
+    at: Annotated[Point3, "Its place in the object's frame, m."]
+    dv: Annotated[Positive, "Distinctiveness of its type."]
+    residual: Annotated[float | None, "Distance from its predicted place to its match, pixels; null: no match."]
+    density: Annotated[Positive, "Density of a match at that distance, per pixel²."]
+    hit_rate: Annotated[Chance, "Chance that it is detected where it is expected."]
+    expected: NotRequired[Annotated[bool, "Whether it is expected beside the accepted hypotheses."]]
+    detected: NotRequired[Annotated[bool, "Whether it is detected."]]
 
 
 class LookedRow(SeenRow):
     """One feature of a rejected hypothesis: to be looked at, nothing is computed from it."""
 
-    expected: bool
-    detected: bool
-    at: NotRequired[Point3]
-    dv: NotRequired[Positive]
-    residual: NotRequired[float | None]
-    density: NotRequired[Positive]
-    hit_rate: NotRequired[Chance]
+    expected: Annotated[bool, "Whether it was expected."]
+    detected: Annotated[bool, "Whether it was detected."]
+    at: NotRequired[Annotated[Point3, "Its place in the object's frame, m."]]
+    dv: NotRequired[Annotated[Positive, "Distinctiveness of its type."]]
+    residual: NotRequired[
+        Annotated[float | None, "Distance from its predicted place to its match, pixels; null: no match."]
+    ]
+    density: NotRequired[Annotated[Positive, "Density of a match at that distance, per pixel²."]]
+    hit_rate: NotRequired[Annotated[Chance, "Chance that it is detected where it is expected."]]
 
 
 class PartRow(TypedDict):
     """One node of the part-whole tree."""
 
-    id: Name
-    parent: Name
-    kind: Literal["object", "feature"]
-    type: Name
+    id: Annotated[Name, "Its name within the object."]
+    parent: Annotated[Name, "The node that it is a part of; an empty text is the object."]
+    kind: Annotated[Literal["object", "feature"], "Whether it is an object or a feature."]
+    type: Annotated[Name, "Its type."]
 
 
 class Cells(TypedDict):
     """The four cells of §4.2; ``weights`` where visual words of many types are summed up."""
 
-    expected_detected: Count
-    expected_missed: Count
-    hidden_missed: Count
-    hidden_detected: Count
-    weights: NotRequired[dict[Name, float]]
+    expected_detected: Annotated[Count, "Features that are expected and detected."]
+    expected_missed: Annotated[Count, "Features that are expected and missed."]
+    hidden_missed: Annotated[Count, "Features that are neither expected nor detected."]
+    hidden_detected: Annotated[Count, "Features that are detected though not expected."]
+    weights: NotRequired[
+        Annotated[dict[Name, float], "Weights of the cells, where visual words of many types are summed up."]
+    ]
 
 
 class LeftOut(TypedDict):
     """Features of a learned type that are not told one by one."""
 
-    in_image: Count
-    outside_image: Count
+    in_image: Annotated[Count, "Features in the image that are not told one by one."]
+    outside_image: Annotated[Count, "Features outside of it."]
 
 
 class Verdict(TypedDict):
     """The keys that the cycle decides, of any hypothesis."""
 
-    left_out: NotRequired[LeftOut]
-    why: NotRequired[str]
-    ev: NotRequired[float | None]
-    p_ev: NotRequired[float | None]
-    ev_reconsidered: NotRequired[float | None]
-    log_likelihood_ratio: NotRequired[float]
-    support: NotRequired[dict[Name, Cells]]
-    outline: NotRequired[list[list[Point2]]]
-    probability: NotRequired[Slightly]
-    interval: NotRequired[Interval]
+    left_out: NotRequired[Annotated[LeftOut, "Features of a learned type that are not told one by one."]]
+    why: NotRequired[Annotated[str, "Why it was decided so."]]
+    ev: NotRequired[Annotated[float | None, "Explanatory value, from -1 to 1."]]
+    p_ev: NotRequired[Annotated[float | None, "P(ev), from 0 to 1."]]
+    ev_reconsidered: NotRequired[Annotated[float | None, "The explanatory value beside the accepted hypotheses."]]
+    log_likelihood_ratio: NotRequired[
+        Annotated[float, "Natural logarithm of how many times more probable the data are with it than without."]
+    ]
+    support: NotRequired[Annotated[dict[Name, Cells], "The four cells by feature type."]]
+    outline: NotRequired[Annotated[list[list[Point2]], "Polygons of its outline, pixels."]]
+    probability: NotRequired[Annotated[Slightly, "Probability that it is present."]]
+    interval: NotRequired[Annotated[Interval, "Bounds of the probability, where a deadline left something open."]]
 
 
 class PosedRow(TypedDict):
     """What is told of any hypothesis, tried or of Δh."""
 
-    id: Name
-    type: Name
-    T_camera_object: Pose
-    opaque: bool
-    parts: list[PartRow]
+    id: Annotated[Name, "Its name: `h1`."]
+    type: Annotated[Name, "Its object type."]
+    T_camera_object: Annotated[Pose, "Its pose: maps object coordinates to the camera's; row-major, metres."]
+    opaque: Annotated[bool, "Whether it hides what is behind it."]
+    parts: Annotated[list[PartRow], "The nodes of its part-whole tree."]
 
 
 class HypothesisFacts(PosedRow):
     """One hypothesis of Δh, without its verdict."""
 
-    group: Name
-    features: list[FeatureRow]
+    group: Annotated[Name, "Hypotheses of one group are rivals for the same data."]
+    features: Annotated[list[FeatureRow], "Its features."]
 
 
 class ApartKey(TypedDict):
     """A sentence for each hypothesis that A4 keeps out of the worlds of this one, the deepest first, a few."""
 
-    apart: NotRequired[list[str]]
+    apart: NotRequired[Annotated[list[str], "Sentences on the hypotheses that cannot stand where it stands."]]
 
 
 class HypothesisRow(HypothesisFacts, Verdict, ApartKey):
     """One hypothesis of Δh."""
 
-    label: NotRequired[Name]
-    status: Status
+    label: NotRequired[Annotated[Name, "The author's name of the type, where the atom is another."]]
+    status: Annotated[Status, "What the search decided."]
 
 
 class RejectedRow(PosedRow, Verdict):
     """One hypothesis that was tried and dropped: told, and no part of Δh."""
 
-    group: None
-    features: list[LookedRow]
-    label: NotRequired[Name]
+    group: Annotated[None, "None: it is in no world."]
+    features: Annotated[list[LookedRow], "Its features, to be looked at."]
+    label: NotRequired[Annotated[Name, "The author's name of the type, where the atom is another."]]
     status: Literal["rejected"]
 
 
 class WorldRow(TypedDict):
     """One possible world; ``causes`` by appearance."""
 
-    probability: Slightly
-    present: list[Name]
-    causes: NotRequired[dict[Name, Name]]
-    interval: NotRequired[Interval]
+    probability: Annotated[Slightly, "Probability of the world."]
+    present: Annotated[list[Name], "The hypotheses that are present in it."]
+    causes: NotRequired[
+        Annotated[dict[Name, Name], "The cause of each appearance: a feature, `noise`, or an unknown object."]
+    ]
+    interval: NotRequired[Annotated[Interval, "Bounds of the probability, where a deadline left something open."]]
 
 
 class RelationRow(RelatedRow):
     """P(a relation holds of two that are both present)."""
 
-    probability: Slightly
-    interval: NotRequired[Interval]
+    probability: Annotated[Slightly, "Probability that it holds."]
+    interval: NotRequired[Annotated[Interval, "Bounds of the probability, where a deadline left something open."]]
 
 
 class DoubtRow(TypedDict):
     """One prediction of §3.8 that fails; ``evidence``: the relation's probability by what is detected."""
 
-    relation: Name
-    args: Pair
-    expected: str
-    found: str
-    why: str
-    evidence: NotRequired[Chance]
+    relation: Annotated[Name, "Name of the relation."]
+    args: Annotated[Pair, "The two hypotheses."]
+    expected: Annotated[str, "What was predicted."]
+    found: Annotated[str, "What was found."]
+    why: Annotated[str, "Why that is in doubt."]
+    evidence: NotRequired[Annotated[Chance, "Probability of the relation by what is detected."]]
 
 
 class SharesRow(TypedDict):
     """P(dv) by feature type; where dv is over the instances in Δ, that over the types of Σo as well (§5.1)."""
 
-    p_dv: NotRequired[dict[Name, float]]
-    dv_over: NotRequired[DvOver]
-    dv_types: NotRequired[dict[Name, float]]
+    p_dv: NotRequired[Annotated[dict[Name, float], "P(dv) by feature type."]]
+    dv_over: NotRequired[Annotated[DvOver, "What distinctiveness is counted over."]]
+    dv_types: NotRequired[
+        Annotated[dict[Name, float], "Distinctiveness over the types of the KB, where it is counted over instances."]
+    ]
 
 
 class MeasuresRow(SharesRow):
     """dv by feature type, rank by object type."""
 
-    dv: dict[Name, float]
-    rank: dict[Name, float]
+    dv: Annotated[dict[Name, float], "Distinctiveness by feature type."]
+    rank: Annotated[dict[Name, float], "Rank by object type."]
 
 
 class SensingRow(TypedDict):
     """What holds of the detector."""
 
-    f_ref: float
-    match_tolerance: float
-    clutter: dict[Name, float]
+    f_ref: Annotated[float, "Focal length that the lobes' ranges hold for, pixels."]
+    match_tolerance: Annotated[float, "How far from its predicted place a feature may be found, pixels."]
+    clutter: Annotated[dict[Name, float], "Appearances of noise per image, by appearance type."]
+
+
+PlacedFeature = Annotated[list[str | float], Row(Name, Name, float, float, float)]
+LobeNumbers = Annotated[list[float], Row(Count, Count, float, float, float, float, float, float, float)]
 
 
 class TypeRow(TypedDict):
@@ -233,102 +252,116 @@ class TypeRow(TypedDict):
     ``facets``, ``faces``: polygons of its surface whose corners are features.
     """
 
-    features: list[Annotated[list[str | float], Row(Name, Name, float, float, float)]]
-    looks: list[Name]
-    lobes: list[Annotated[list[float], Row(Count, Count, float, float, float, float, float, float, float)]]
-    measured: bool
-    facets: NotRequired[list[Annotated[list[Name], Size(3)]]]
-    faces: NotRequired[list[Annotated[list[Name], Size(3, 1000)]]]
-    left_out: NotRequired[dict[Name, Count]]
+    features: Annotated[
+        list[Annotated[list[str | float], Row(Name, Name, float, float, float)]],
+        "Its features: name, feature type, place in the object's frame, m.",
+    ]
+    looks: Annotated[list[Name], "The appearance types of its lobes."]
+    lobes: Annotated[
+        list[Annotated[list[float], Row(Count, Count, float, float, float, float, float, float, float)]],
+        "From where features are seen: number of the feature, number of the look, axis, half-angle, nearest and farthest distance, m, hit rate.",
+    ]
+    measured: Annotated[bool, "Whether the hit rates were measured."]
+    facets: NotRequired[
+        Annotated[list[Annotated[list[Name], Size(3)]], "Triangles of its surface whose corners are features."]
+    ]
+    faces: NotRequired[
+        Annotated[list[Annotated[list[Name], Size(3, 1000)]], "Polygons of its surface whose corners are features."]
+    ]
+    left_out: NotRequired[Annotated[dict[Name, Count], "Features that are not listed, by feature type."]]
 
 
 class ImageRow(TypedDict):
     """The picture, base64; the size is the original's."""
 
-    media_type: Literal["image/png", "image/jpeg"]
-    width: Count
-    height: Count
-    base64: str
+    media_type: Annotated[Literal["image/png", "image/jpeg"], "Kind of the picture."]
+    width: Annotated[Count, "Width of the original, pixels."]
+    height: Annotated[Count, "Height of the original, pixels."]
+    base64: Annotated[str, "The picture's bytes."]
 
 
 class MeshRow(TypedDict):
     """A surface, m, object frame; ``slack``: how far off it may be."""
 
-    vertices: list[Point3]
-    triangles: list[Annotated[list[Count], Size(3)]]
-    slack: NotRequired[Positive]
+    vertices: Annotated[list[Point3], "Points, object frame, m."]
+    triangles: Annotated[list[Annotated[list[Count], Size(3)]], "Numbers of three vertices each."]
+    slack: NotRequired[Annotated[Positive, "How far off the simplified surface may be, m."]]
 
 
 class AssetsRow(TypedDict):
     """What is carried along to be looked at."""
 
-    image: NotRequired[ImageRow]
-    meshes: NotRequired[dict[Name, MeshRow]]
+    image: NotRequired[Annotated[ImageRow, "The picture."]]
+    meshes: NotRequired[Annotated[dict[Name, MeshRow], "Surfaces by object type."]]
 
 
 class StepRow(TypedDict):
     """One step of the trace."""
 
-    step: Count
-    event: Name
-    hypothesis: Name | None
-    type: Name | None
-    ev: float | None
-    why: str
+    step: Annotated[Count, "Its number."]
+    event: Annotated[Name, "What happened."]
+    hypothesis: Annotated[Name | None, "The hypothesis that it is about."]
+    type: Annotated[Name | None, "The object type that it is about."]
+    ev: Annotated[float | None, "Explanatory value of the hypothesis."]
+    why: Annotated[str, "Why it happened."]
 
 
 class Marks(TypedDict):
     """The keys of a document that a deadline left unfinished; a finished one has none of them."""
 
-    unfinished: NotRequired[bool]
-    stopped: NotRequired[Stopped]
+    unfinished: NotRequired[Annotated[bool, "True where a deadline left something open."]]
+    stopped: NotRequired[
+        Annotated[Stopped, "What the deadline stopped: the search for hypotheses, or the ranking of worlds."]
+    ]
 
 
 class Listed(TypedDict):
     """The listed worlds; ``causes_else``: what the cause of an appearance is that none of them names."""
 
-    worlds: NotRequired[list[WorldRow]]
-    causes_else: NotRequired[Literal["noise"]]
-    unlisted_mass: NotRequired[Interval]
+    worlds: NotRequired[Annotated[list[WorldRow], "The most probable worlds, best first."]]
+    causes_else: NotRequired[
+        Annotated[Literal["noise"], "The cause of each appearance that a world's causes do not name."]
+    ]
+    unlisted_mass: NotRequired[Annotated[Interval, "Bounds of the probability of all worlds that are not listed."]]
 
 
 class Interpretation(Marks, Listed):
     """The document ``interpretation/1`` of one image."""
 
     format: Literal["interpretation/1"]
-    reading: Reading
-    camera: NotRequired[CameraRow]
-    facts: list[Fact]
-    sensing: NotRequired[SensingRow]
-    types: NotRequired[dict[Name, TypeRow]]
-    assets: NotRequired[AssetsRow]
-    reconsider: Reconsider
-    smoothing: float
-    kb: NotRequired[KBRow]
-    appearances: Annotated[list[AppearanceRow], Size(0, 1_000_000)]
-    hypotheses: list[HypothesisRow | RejectedRow]
-    relations: NotRequired[list[RelationRow]]
-    doubts: NotRequired[list[DoubtRow]]
-    space: NotRequired[SpaceRow | None]
-    gravity: NotRequired[GravityRow | None]
-    measures: MeasuresRow
-    priors: dict[Name, float]
-    rules: str
-    labels: NotRequired[dict[Name, Name]]
-    trace: NotRequired[list[StepRow]]
+    reading: Annotated[Reading, "How probabilities are read: as scores or as a posterior."]
+    camera: NotRequired[Annotated[CameraRow, "The camera of the image."]]
+    facts: Annotated[list[Fact], "What holds between hypotheses."]
+    sensing: NotRequired[Annotated[SensingRow, "What holds of the detectors."]]
+    types: NotRequired[Annotated[dict[Name, TypeRow], "How each object type is seen."]]
+    assets: NotRequired[Annotated[AssetsRow, "What is carried along to be looked at."]]
+    reconsider: Annotated[Reconsider, "What becomes of a feature that an accepted hypothesis hides."]
+    smoothing: Annotated[float, "Added to each count before P(ev)."]
+    kb: NotRequired[Annotated[KBRow, "The knowledge base that was perceived with."]]
+    appearances: Annotated[list[AppearanceRow], Size(0, 1_000_000), "What was detected."]
+    hypotheses: Annotated[list[HypothesisRow | RejectedRow], "What may be there, and what was tried and dropped."]
+    relations: NotRequired[Annotated[list[RelationRow], "Relations of two hypotheses, each with its probability."]]
+    doubts: NotRequired[Annotated[list[DoubtRow], "Predictions that fail."]]
+    space: NotRequired[Annotated[SpaceRow | None, "Where bodies are and what is above, on and beside what."]]
+    gravity: NotRequired[Annotated[GravityRow | None, "What is assumed of gravity; null: nothing."]]
+    measures: Annotated[MeasuresRow, "Measures of the types."]
+    priors: Annotated[dict[Name, float], "Prior of an instance, by object type."]
+    rules: Annotated[str, "The KB's own rules, ProbLog."]
+    labels: NotRequired[Annotated[dict[Name, Name], "The author's name of each name that is no atom."]]
+    trace: NotRequired[Annotated[list[StepRow], "The steps of the search."]]
 
 
 class TrueRow(TypedDict):
     """One object that truly stands somewhere; its label is null where no knowledge base knows it."""
 
-    label: Name | None
-    T_camera_object: Pose
-    visible_fraction: NotRequired[Chance]
+    label: Annotated[Name | None, "The object's type; null: the KB does not know it."]
+    T_camera_object: Annotated[Pose, "Where it stands: maps object coordinates to the camera's; row-major, metres."]
+    visible_fraction: NotRequired[Annotated[Chance, "Share of its picture that nothing hides; 1."]]
 
 
 class TruthRow(TypedDict):
     """``truth/1``, beside a scene; ``complete``: whether every object of a known type is listed."""
 
     format: Literal["truth/1"]
-    objects: list[TrueRow]
-    complete: NotRequired[bool]
+    objects: Annotated[list[TrueRow], "The objects."]
+    complete: NotRequired[Annotated[bool, "Whether every object of a known type is listed; true."]]

@@ -20,8 +20,10 @@ Pair = Annotated[list[Name], Size(2)]
 class PairRow(TypedDict):
     """Two hypotheses of which something excludes the one where the other is."""
 
-    fact: Literal["rival", "exclusive"]
-    args: Pair
+    fact: Annotated[
+        Literal["rival", "exclusive"], "Rivals explain the same data; exclusive ones cannot stand together."
+    ]
+    args: Annotated[Pair, "The two hypotheses."]
 
 
 class ExclusionRow(TypedDict):
@@ -30,10 +32,12 @@ class ExclusionRow(TypedDict):
     ``depth_interval`` where that is known within bounds only.
     """
 
-    args: Pair
-    volume: NotRequired[Positive]
-    depth: NotRequired[Positive]
-    depth_interval: NotRequired[Annotated[list[Positive], Size(2)]]
+    args: Annotated[Pair, "The two hypotheses."]
+    volume: NotRequired[Annotated[Positive, "Volume that they share, m³."]]
+    depth: NotRequired[Annotated[Positive, "How deep one is in the other, m."]]
+    depth_interval: NotRequired[
+        Annotated[list[Positive], Size(2), "Bounds of the depth, m, where it is known within bounds only."]
+    ]
 
 
 class OverlapRow(ExclusionRow):
@@ -46,9 +50,9 @@ class FootRow(TypedDict):
     """How high a body begins, m."""
 
     fact: Literal["foot"]
-    args: Annotated[list[Name], Size(1)]
-    low: float
-    high: float
+    args: Annotated[list[Name], Size(1), "The hypothesis."]
+    low: Annotated[float, "The least height of its lowest point, m."]
+    high: Annotated[float, "The greatest height of its lowest point, m."]
 
 
 class OrderedRow(TypedDict):
@@ -57,16 +61,19 @@ class OrderedRow(TypedDict):
     Or is a feature, ``h1/roof/apex``, and the second is before it.
     """
 
-    fact: Literal["rests_on", "behind"]
-    args: Pair
+    fact: Annotated[
+        Literal["rests_on", "behind"],
+        "The first rests on the second, or the first, a feature, is hidden by the second.",
+    ]
+    args: Annotated[Pair, "The two hypotheses, or a feature, as `h1/roof/apex`, and the hypothesis that hides it."]
 
 
 class RelatedRow(TypedDict):
     """A relation of two; ``roc``: that of ROC-20, where it is told."""
 
-    relation: Name
-    args: Pair
-    roc: NotRequired[Name]
+    relation: Annotated[Name, "Name of the relation, as in queries (docs/vocabulary.md)."]
+    args: Annotated[Pair, "The two hypotheses."]
+    roc: NotRequired[Annotated[Name, "The relation of ROC-20 that it is a case of."]]
 
 
 class RelationFact(RelatedRow):
@@ -79,23 +86,23 @@ class PartRelationFact(RelatedRow):
     """The same of their parts; '' is the whole."""
 
     fact: Literal["part_relation"]
-    parts: Pair
+    parts: Annotated[Pair, "The parts of the two that are related; an empty text is the whole."]
 
 
 class StateRow(TypedDict):
     """The relation of ROC-20 of each pair, with the probability that these hold together."""
 
-    probability: Slightly
-    relations: list[Name]
+    probability: Annotated[Slightly, "Chance that these relations hold together."]
+    relations: Annotated[list[Name], "The relation of each pair, in the order of `pairs`."]
 
 
 class EvidenceRow(TypedDict):
     """What detections say of how hypotheses stand; ``withheld``: those of them whose poses are not known."""
 
     fact: Literal["evidence"]
-    pairs: list[Pair]
-    withheld: list[Name]
-    states: Annotated[list[StateRow], Size(1, 10_000)]
+    pairs: Annotated[list[Pair], "Pairs of hypotheses."]
+    withheld: Annotated[list[Name], "Those of them whose poses are not known."]
+    states: Annotated[list[StateRow], Size(1, 10_000), "What detections say of how they stand."]
 
 
 Fact = PairRow | OverlapRow | FootRow | OrderedRow | RelationFact | PartRelationFact | EvidenceRow
@@ -104,33 +111,36 @@ Fact = PairRow | OverlapRow | FootRow | OrderedRow | RelationFact | PartRelation
 class BodyRow(TypedDict):
     """Where one body is: m, camera frame."""
 
-    id: Name
-    middle: Point3
-    nearest: Positive
-    view: View
+    id: Annotated[Name, "The hypothesis."]
+    middle: Annotated[Point3, "Middle of its body, camera frame, m."]
+    nearest: Annotated[Positive, "Distance from the camera to its nearest point, m."]
+    view: Annotated[View, "Whether the image shows all of it, a part, or nothing."]
 
 
 class SpaceRow(TypedDict):
     """``plogic.facts.spatial.Space`` without the volumes."""
 
-    up: Point3 | None
-    up_from: Name
-    bodies: list[BodyRow]
-    gaps: list[Annotated[list[str | float], Row(Name, Name, Positive)]]
-    above: list[Pair]
-    on: list[Pair]
-    on_both: list[Annotated[list[Name], Size(3)]]
+    up: Annotated[Point3 | None, "Direction of up in the camera frame; null where it is not known."]
+    up_from: Annotated[Name, "What told which way is up."]
+    bodies: Annotated[list[BodyRow], "Where each body is."]
+    gaps: Annotated[
+        list[Annotated[list[str | float], Row(Name, Name, Positive)]],
+        "Two hypotheses and the distance between them, m.",
+    ]
+    above: Annotated[list[Pair], "Pairs of which the first is above the second."]
+    on: Annotated[list[Pair], "Pairs of which the first stands on the second."]
+    on_both: Annotated[list[Annotated[list[Name], Size(3)]], "Triples of which the first stands on both others."]
 
 
 class GravityRow(TypedDict):
     """``plogic.facts.spatial.Gravity`` without its facts."""
 
-    unknown_support: Chance
-    ground: float | None
-    silent: NotRequired[str]
+    unknown_support: Annotated[Chance, "Chance that something unknown holds what floats."]
+    ground: Annotated[float | None, "Height of the ground, world z, m; null where nobody stated it."]
+    silent: NotRequired[Annotated[str, "Why nothing is said of what rests on what."]]
 
 
 class GravityKey(TypedDict):
     """Of a document, where gravity holds."""
 
-    gravity: NotRequired[GravityRow | None]
+    gravity: NotRequired[Annotated[GravityRow | None, "What rests on what, where gravity holds."]]

@@ -1,6 +1,6 @@
 """The shapes of what a scene or a program answers: ``answers/1`` and ``worlds/1``, as ``--json`` prints them."""
 
-from typing import Literal, NotRequired, TypedDict
+from typing import Annotated, Literal, NotRequired, TypedDict
 
 from plogic.facts.document import Marks, WorldRow
 from plogic.facts.fact_rows import ExclusionRow, Interval, Name, Slightly
@@ -10,22 +10,22 @@ from plogic.facts.situation import Reading
 class AnswerRow(TypedDict):
     """P(goal); ``interval`` contains the exact one."""
 
-    goal: str
-    probability: Slightly
-    interval: Interval
+    goal: Annotated[str, "The goal with its variables filled in."]
+    probability: Annotated[Slightly, "P(goal); of an interval its middle."]
+    interval: Annotated[Interval, "Bounds of the exact probability."]
 
 
 class LateKey(TypedDict):
     """Where a deadline came before all was known."""
 
-    deadline: NotRequired[Literal["reached"]]
+    deadline: NotRequired[Annotated[Literal["reached"], "That a deadline came before all was known."]]
 
 
 class Answers(Marks, LateKey):
     """The document ``answers/1``, most probable first."""
 
     format: Literal["answers/1"]
-    answers: list[AnswerRow]
+    answers: Annotated[list[AnswerRow], "Every answer, most probable first."]
 
 
 class SceneWorlds(Marks, LateKey):

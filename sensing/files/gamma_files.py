@@ -32,7 +32,7 @@ Name = Annotated[str, Size(1, 200)]
 _Above0 = Annotated[float | None, Range(0.0, open_low=True)]
 
 
-class AppearanceRow(TypedDict):
+class GammaAppearance(TypedDict):
     """One appearance: something of a type that a detector saw at a place."""
 
     id: Annotated[Name, "Its name, of its own in this Γ."]
@@ -59,7 +59,7 @@ class GammaRow(TypedDict):
 
     format: Literal["gamma/1"]
     camera: Annotated[CameraRow, "The camera of the image."]
-    appearances: Annotated[list[AppearanceRow], Size(0, MAX_APPEARANCES), "What was detected, in any order."]
+    appearances: Annotated[list[GammaAppearance], Size(0, MAX_APPEARANCES), "What was detected, in any order."]
 
 
 def read_gamma(path: str | Path, vocabulary: Collection[str] | None = None) -> Gamma:
@@ -192,7 +192,7 @@ def _outside(uv: object, camera: Camera) -> bool:
     return False
 
 
-def _appearance(row: AppearanceRow) -> Appearance:
+def _appearance(row: GammaAppearance) -> Appearance:
     (u, v), text = row["uv"], row.get("descriptor")
     return Appearance(
         row["id"],

@@ -1,4 +1,4 @@
-"""The commands ``batch``, ``bop``, ``measures`` and ``next-view`` as click has them.
+"""The commands ``batch``, ``bop``, ``measures``, ``next-view`` and ``schema`` as click has them.
 
 One function each, which parses, calls and prints.
 """
@@ -32,6 +32,7 @@ from plogic.face.shown.options import (
 HELP = {"help_option_names": ["-h", "--help"]}
 SETTINGS = "camera", "reading", "reconsider", "smoothing", "deadline", "worlds", "full"
 """The options of ``batch`` that decide a frame's line."""
+FORMATS = "gamma", "camera", "poses", "moves", "stereo", "truth", "interpretation", "panorama", "answers", "frame"
 
 
 @click.command(context_settings=HELP)
@@ -187,3 +188,15 @@ def measures(interpretation: str, *, as_json: bool) -> None:
     from plogic.face.commands.program import measures_command
 
     emit(measures_command(interpretation, as_json=as_json))
+
+
+@click.command(context_settings=HELP)
+@click.argument("name", type=click.Choice(FORMATS))
+def schema(name: str) -> None:
+    """Print the JSON Schema (draft 2020-12) of a format; docs/formats.md has an example of each.
+
+    The formats of a knowledge base: `plogic kb schema`.
+    """
+    from plogic.face.commands.formats import schema_command
+
+    emit(schema_command(name))

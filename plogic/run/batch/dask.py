@@ -162,7 +162,7 @@ class Cluster:
             future = self._submit(None)
             self._next()
             self._lines = Lines(self._settings, self._result(future)["kb"])
-        return dict(self._lines.kb)
+        return {"name": self._lines.kb["name"], "digest": self._lines.kb["digest"]}
 
     def answers(self, take: Callable[[], Job | None]) -> Iterator[Answer]:
         """As of a pool. Raises InputError also where the cluster is lost, or its workers read different KBs."""

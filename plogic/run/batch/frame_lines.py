@@ -13,54 +13,89 @@ where a worker was given up on it is of the files as they were then.
 """
 
 import json
-from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Literal, NotRequired, TypedDict
+from typing import Annotated, Final, Literal, NotRequired, TypedDict
 
 from geometry.camera import Pose
-from plogic.facts.document import HypothesisRow, Interpretation, RejectedRow, Status, WorldRow
+from plogic.facts.document import HypothesisRow, Interpretation, KBRow, RejectedRow, Status, WorldRow
 from plogic.facts.fact_rows import Interval
 from plogic.facts.situation import Stopped, stopped_in
-from plogic.run.batch.frames import Frame, Settings, digest_of
+from plogic.run.batch.frames import Frame, Settings, SettingsRow, digest_of
 from plogic.scene.readings.unfinished import unlisted_beyond
 
-FORMAT = "frame/1"
+FORMAT: Final = "frame/1"
 DONE, UNFINISHED, ERROR = "done", "unfinished", "error"
 
 
 class FullBody(TypedDict):
     """A whole interpretation."""
 
-    interpretation: Interpretation
+    interpretation: Annotated[Interpretation, "The interpretation, as `plogic perceive` writes it."]
 
 
 class ErrorBody(TypedDict):
-    """What ``plogic perceive`` would say."""
+    """What ``plogic perceive`` would say of a bad frame."""
 
-    error: str
+    error: Annotated[str, "What is wrong, a line a mistake."]
 
 
 class ShortRow(TypedDict):
     """One hypothesis in short; ``interval`` where an unfinished interpretation bounds its probability."""
 
-    id: str
-    type: str
-    status: Status | Literal["rejected"]
-    T_camera_object: Pose
-    ev: float | None
-    ev_reconsidered: float | None
-    probability: float
-    interval: NotRequired[Interval]
+    id: Annotated[str, "Its name: `h1`."]
+    type: Annotated[str, "Its object type."]
+    status: Annotated[Status | Literal["rejected"], "What the search decided."]
+    T_camera_object: Annotated[Pose, "Its pose: maps object coordinates to the camera's; row-major, metres."]
+    ev: Annotated[float | None, "Explanatory value, from -1 to 1."]
+    ev_reconsidered: Annotated[float | None, "The explanatory value beside the accepted hypotheses."]
+    probability: Annotated[float, "Probability that it is present."]
+    interval: NotRequired[Annotated[Interval, "Bounds of the probability, where a deadline left something open."]]
 
 
 class ShortBody(TypedDict):
     """The most probable worlds of an interpretation, and the hypotheses in them."""
 
-    appearances: int
-    hypotheses: list[ShortRow]
-    worlds: list[WorldRow]
-    unlisted_mass: Interval
-    stopped: NotRequired[Stopped]
+    appearances: Annotated[int, "How many were detected."]
+    hypotheses: Annotated[list[ShortRow], "Those that are accepted or in a listed world."]
+    worlds: Annotated[list[WorldRow], "The most probable worlds, best first."]
+    unlisted_mass: Annotated[Interval, "Bounds of the probability of all worlds that are not listed."]
+    stopped: NotRequired[
+        Annotated[Stopped, "What a deadline stopped: the search for hypotheses, or the ranking of worlds."]
+    ]
+
+
+class Head(TypedDict):
+    """Which frame a line is of, and what it was made with."""
+
+    format: Literal["frame/1"]
+    input: Annotated[str, "The input as it was named."]
+    frame: Annotated[
+        str | None, "The frame within the input, `000002/000017` of a BOP dataset; null where it holds one."
+    ]
+    sha256: Annotated[str | None, "SHA-256 of the bytes that were read; null where some could not be read."]
+    kb: Annotated[KBRow, "The knowledge base that was perceived with."]
+    options: Annotated[SettingsRow, "The options that decide the line."]
+
+
+class WrongLine(Head, ErrorBody):
+    """A bad frame."""
+
+    status: Annotated[Literal["error"], "That nothing could be perceived."]
+
+
+class FullLine(Head, FullBody):
+    """A frame with its whole interpretation (``--full``)."""
+
+    status: Annotated[Literal["done", "unfinished"], "Whether a deadline left something open."]
+
+
+class ShortLine(Head, ShortBody):
+    """A frame in short."""
+
+    status: Annotated[Literal["done", "unfinished"], "Whether a deadline left something open."]
+
+
+FrameLine = WrongLine | FullLine | ShortLine
 
 
 @dataclass(frozen=True)
@@ -68,31 +103,41 @@ class Lines:
     """Makes the lines of one run; ``kb`` is its name and digest, as in an interpretation."""
 
     settings: Settings
-    kb: Mapping[str, str]
+    kb: KBRow
 
     def perceived(self, frame: Frame, document: Interpretation, sha256: str | None) -> tuple[str, bytes]:
         """Status and line of a frame with its interpretation; ``sha256`` is of what was read."""
-        status = UNFINISHED if document.get("unfinished") else DONE
-        body: FullBody | ShortBody = (
-            {"interpretation": document} if self.settings.full else short(document, self.settings.worlds)
-        )
-        return status, self._line(frame, status, body, sha256)
+        status: Literal["done", "unfinished"] = "unfinished" if document.get("unfinished") else "done"
+        head = self._head(frame, sha256)
+        if self.settings.full:
+            return status, _line({**head, "status": status, "interpretation": document})
+        return status, _line({**head, "status": status, **short(document, self.settings.worlds)})
 
     def wrong(self, frame: Frame, message: str, sha256: str | None) -> tuple[str, bytes]:
         """Status and line of a bad frame."""
-        return ERROR, self._line(frame, ERROR, {"error": message}, sha256)
+        return ERROR, _line({**self._head(frame, sha256), "status": "error", "error": message})
 
     def given_up(self, frame: Frame, message: str) -> tuple[str, bytes]:
         """As ``wrong``, of a frame whose worker is gone and cannot say what it read: as it is now."""
         return self.wrong(frame, message, digest_of(frame, self.settings.camera))
 
-    def _line(self, frame: Frame, status: str, body: FullBody | ShortBody | ErrorBody, sha256: str | None) -> bytes:
-        head = {"format": FORMAT, "input": frame.input, "frame": frame.frame, "status": status}
-        origin = {"sha256": sha256, "kb": dict(self.kb), "options": self.settings.document()}
-        text = json.dumps({**head, **origin, **body}, ensure_ascii=False, allow_nan=False, separators=(",", ":"))
-        return (
-            text.encode("utf-8", "backslashreplace") + b"\n"
-        )  # of a file's name that is no text: \udc80, as JSON writes it
+    def _head(self, frame: Frame, sha256: str | None) -> Head:
+        return {
+            "format": FORMAT,
+            "input": frame.input,
+            "frame": frame.frame,
+            "sha256": sha256,
+            "kb": self.kb,
+            "options": self.settings.document(),
+        }
+
+
+def _line(row: FrameLine) -> bytes:
+    first = {"format": row["format"], "input": row["input"], "frame": row["frame"], "status": row["status"]}
+    text = json.dumps({**first, **row}, ensure_ascii=False, allow_nan=False, separators=(",", ":"))
+    return (
+        text.encode("utf-8", "backslashreplace") + b"\n"
+    )  # of a file's name that is no text: \udc80, as JSON writes it
 
 
 def short(document: Interpretation, number: int) -> ShortBody:

@@ -17,7 +17,7 @@ from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from functools import lru_cache
 from pathlib import Path
-from typing import TYPE_CHECKING, Literal, NotRequired, TypedDict
+from typing import TYPE_CHECKING, Annotated, Literal, NotRequired, TypedDict
 
 from geometry.errors import PlogicError
 from geometry.files.plain_files import IS_FOLDER, IS_MISSING, fault_of, is_there
@@ -57,12 +57,12 @@ class Frame:
 class SettingsRow(TypedDict):
     """The options of a frame's line."""
 
-    reading: Reading
-    reconsider: Reconsider
-    smoothing: float
-    deadline: float | None
-    full: NotRequired[bool]
-    worlds: NotRequired[int]
+    reading: Annotated[Reading, "How probabilities are read."]
+    reconsider: Annotated[Reconsider, "What becomes of a feature that an accepted hypothesis hides."]
+    smoothing: Annotated[float, "Added to each count before P(ev)."]
+    deadline: Annotated[float | None, "Seconds that a frame may take; null: as long as it takes."]
+    full: NotRequired[Annotated[bool, "Whether lines have whole interpretations."]]
+    worlds: NotRequired[Annotated[int, "How many worlds a line lists."]]
 
 
 @dataclass(frozen=True, slots=True)

@@ -128,7 +128,7 @@ class Pool:
             self.start(1)
             for _ in self._heard(None):  # there is no answer yet
                 pass
-        return dict(self._lines.kb)
+        return {"name": self._lines.kb["name"], "digest": self._lines.kb["digest"]}
 
     def answers(self, take: Callable[[], Job | None]) -> Iterator[Answer]:
         """The line of every frame that ``take`` gives, as they come, until it gives none and nothing is at work.

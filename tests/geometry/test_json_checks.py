@@ -4,15 +4,17 @@ Each mistake with its place, all of them at once, and the verdict that JSON Sche
 """
 
 import copy
-from typing import Annotated, Any, Literal, NotRequired, TypedDict
+from typing import Annotated, Literal, NotRequired, TypedDict
 
 import numpy as np
 import pytest
 from jsonschema import Draft202012Validator
 from situations import towers
+from spoilt_documents import spoilt
 
 from geometry.files.json_schema import schema_of
-from geometry.json_shapes import Lengths, Range, Row, Rule, Size, mistakes
+from geometry.json_checks import mistakes
+from geometry.json_shapes import Lengths, Range, Row, Rule, Size
 from plogic.facts.document import Interpretation
 from plogic.facts.interpretation import FORMAT, facts_of, hypothesis_document
 
@@ -124,27 +126,6 @@ def interpretation():
         "measures": {"dv": some.dv, "rank": some.rank},
         "rules": some.rules,
     }
-
-
-def spoilt(document: Any, rng: np.random.Generator) -> Any:
-    """A copy in which one value, anywhere, is another, or is gone, or has a neighbour."""
-
-    def one_of(some: Any) -> Any:
-        return some[int(rng.integers(len(some)))]
-
-    document = copy.deepcopy(document)
-    at, key = document, one_of(sorted(document))
-    while isinstance(at[key], (list, dict)) and at[key] and rng.random() < 0.85:
-        at = at[key]
-        key = one_of(sorted(at)) if isinstance(at, dict) else int(rng.integers(len(at)))
-    what = one_of(["gone", "other", "neighbour"])
-    if what == "neighbour" and isinstance(at, dict):
-        at["strange"] = 1
-    elif what == "gone" and isinstance(at, dict):
-        del at[key]
-    else:
-        at[key] = one_of([None, True, 1, -1, 2.5, "text", "", [], {}, [1.5, 2.5], 1e99])
-    return document
 
 
 def test_the_schema_comes_to_the_same_verdict():
