@@ -15,7 +15,7 @@ from geometry.frames import from_rotation_translation, inverse, look_at, rotatio
 from geometry.visibility.rays import RayMesh
 from plogic.base.errors import InputError
 from plogic.face.commands.bop import bop_command
-from plogic.face.commands.simulate import simulate_command
+from plogic.face.commands.simulate import Wanted, simulate_command
 from plogic.face.shown.options import Scoring
 from plogic.run.bop.dataset import open_dataset
 from plogic.run.bop.models import read_models
@@ -252,7 +252,7 @@ def test_nothing_is_left_of_a_dataset_that_failed(tmp_path):
 
 def test_simulate_writes_a_dataset_that_bop_perceives(tmp_path):
     """The towers, simulated, as BOP, through the KB's own perceiver: both images' towers are found."""
-    simulate_command("towers", 1, 0, 3, tmp_path / "s", tmp_path / "d", 2)
+    simulate_command("towers", Wanted(1), 3, tmp_path / "s", say=[].append, bop=tmp_path / "d", bop_images=2)
     assert sorted(p.name for p in (tmp_path / "s").iterdir()) == ["camera.json", "image.png", "truth.json"]
     same = [cv2.imread(str(path)) for path in (tmp_path / "s/image.png", tmp_path / "d/test/000001/rgb/000000.png")]
     assert (same[0] == same[1]).all()
@@ -267,5 +267,5 @@ def test_simulate_writes_a_dataset_that_bop_perceives(tmp_path):
 def test_simulate_wants_two_folders(tmp_path):
     for bop in (tmp_path / "s", tmp_path / "s/d", tmp_path):
         with pytest.raises(InputError, match="is named for two outputs"):
-            simulate_command("towers", 1, 0, 0, tmp_path / "s", Path(bop))
+            simulate_command("towers", Wanted(1), 0, tmp_path / "s", say=[].append, bop=Path(bop))
     assert list(tmp_path.iterdir()) == []
