@@ -132,6 +132,7 @@ def _framing(
 ) -> Framing:
     """Of these types; of a KB that has none, a scene's own."""
     if not standings:
+        say(f"{kb.name}: has no types, so that nothing of it stands there")
         return Framing()
     return framed(standings, focal=focal, f_ref=kb.f_ref, distance=wanted.distance, size_px=wanted.size_px, say=say)
 

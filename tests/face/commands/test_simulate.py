@@ -151,3 +151,11 @@ def test_gamma_of_a_camera_that_moves_is_a_sequence(tmp_path):
 def test_gamma_and_bop_do_not_go_together(tmp_path):
     refused = run("--kb", "first", "--gamma", "--bop", tmp_path / "bop", "-o", tmp_path / "a")
     assert (refused.exit_code, "--gamma: makes no picture" in refused.stderr) == (2, True)
+
+
+def test_a_kb_without_types_says_so(tmp_path):
+    (tmp_path / "mykb").mkdir()
+    (tmp_path / "mykb" / "kb.yaml").write_text("name: mykb\nappearance_types: [mark]\n")
+    assert "mykb: has no types, so that nothing of it stands there" in written(
+        "--kb", tmp_path / "mykb", "-o", tmp_path / "s"
+    )
