@@ -182,6 +182,12 @@ def _message(kind: str, path: Keys, detail: ErrorDetails) -> str:
     return WORDS.get(kind) or f"{detail['msg'][:1].lower()}{detail['msg'][1:]}"
 
 
+NONE = {
+    "appearance": "none: appearance_types is empty",
+    "feature": "none, for no object type has features yet: take these rates out until one has",
+    "object": "none, for there is no object type yet",
+}
+"""What is known where nothing is."""
 Tables = dict[tuple[str, ...], Mapping[str, object]]
 """Numbers by the name of a type, by the keys that lead to them."""
 
@@ -205,7 +211,7 @@ def cross_mistakes(
     yield from _repeated_types(kb, model)
     detector, counts = model.detector, model.counts
     clutter: Tables = {("detector", "clutter"): detector.clutter, ("counts", "clutter"): counts.clutter}
-    listed = [("appearance", set(model.appearance_types), clutter)]
+    checked_for = [("appearance", set(model.appearance_types), clutter)]
     if complete:
         features = {
             entry["type"]
@@ -216,23 +222,24 @@ def cross_mistakes(
         hit: Tables = {("detector", "hit"): detector.hit, ("detector", "sigmas"): detector.sigmas}
         names = {name for document in objects if isinstance(name := document.data.get("object"), str)}
         priors: Tables = {("priors",): model.priors, ("counts", "prior"): counts.prior}
-        listed += [("feature", features, {**hit, ("counts", "hit"): counts.hit}), ("object", names, priors)]
-    for what, known, tables in listed:
-        told = ", ".join(sorted(map(str, known))[:12]) or "none"
+        checked_for += [("feature", features, {**hit, ("counts", "hit"): counts.hit}), ("object", names, priors)]
+    for what, known, tables in checked_for:
+        listed = f"; known: {', '.join(sorted(map(str, known))[:12]) or NONE[what]}"
         for path, given in tables.items():
             for name in given:
                 if name not in known:
-                    yield kb.mistake((*path, name), f"unknown {what} type {name!r}; known: {told}", key=True)
+                    yield kb.mistake((*path, name), f"unknown {what} type {name!r}{listed}", key=True)
+                    listed = ""  # it is told once
 
 
 def _unknown_appearances(document: Document, vocabulary: list[Any], known: set[str]) -> Iterator[Mistake]:
     listed = ", ".join(map(str, vocabulary[:12])) or "none"
+    first: dict[str, str] = {}
     for path, kind, entry in nodes(document.data):
         name = entry.get("type") if kind == "appearance" and isinstance(entry, dict) else None
         if isinstance(name, str) and name not in known:
-            yield document.mistake(
-                (*path, "type"), f"unknown appearance type {name!r}; appearance_types in kb.yaml: {listed}"
-            )
+            more = first.setdefault(name, "" if first else f"; appearance_types in kb.yaml: {listed}")
+            yield document.mistake((*path, "type"), f"unknown appearance type {name!r}{more}")
 
 
 def _repeated_types(kb: Document, model: KBModel) -> Iterator[Mistake]:

@@ -25,7 +25,7 @@ from kb.files.write import flow
 from kb.intake.source import MAX_FILE_BYTES, Source, painted_files
 from kb.surfaces.pieces import pieces_of
 from kb.surfaces.repair import Repaired, repaired
-from kb.surfaces.surface import Surface
+from kb.surfaces.surface import OPEN, Surface
 from kb.surfaces.symmetries import Turn, turns_of
 
 SMALLEST, LARGEST = 1e-4, 1e4
@@ -222,9 +222,11 @@ def _simplified(mended: Repaired) -> list[str]:
 
 
 def _open(mended: Repaired) -> str:
+    """What is known of a surface that is not closed: what A4 makes of it, or why nothing."""
     what = f" ({mended.left} larger holes left open)" if mended.left else ""
-    refused = mended.surface.mended.refused
-    return f"  not closed{what}: {mended.surface.faults}; refused as a solid: {refused}; it hides what is behind it, A4 says nothing of it"
+    solid, done, refused = mended.surface.mended
+    verdict = f"refused as a solid: {refused}. {OPEN}" if solid is None else f"as a solid (A4) it is repaired: {done}"
+    return f"  not closed{what}: {mended.surface.faults}; {verdict}"
 
 
 def _symmetries(document: dict[str, Any]) -> list[str]:

@@ -213,6 +213,25 @@ def urdf_visuals(path: Path) -> list[Visual]:
     ]
 
 
+STILL = ("fixed", "")
+"""Types of joints that do not move."""
+NAMED = 3
+"""Joints that a note names."""
+
+
+def frozen_joints(path: Path) -> list[str]:
+    """A note where joints move: a type is rigid, and is only found as the description poses it. Of URDF and SDF."""
+    joints = [joint for joint in read_xml(path).iter("joint") if joint.get("type", "").strip() not in STILL]
+    if not joints:
+        return []
+    named = ", ".join(joint.get("name", "")[:60] for joint in joints[:NAMED])
+    more = f" and {len(joints) - NAMED} more" if len(joints) > NAMED else ""
+    what = "1 joint that moves is" if len(joints) == 1 else f"{len(joints)} joints that move are"
+    pose = "the zero pose" if path.suffix.lower() == ".urdf" else "the pose that the file states"
+    found = f"{what} frozen in {pose} ({named}{more}), and the type is found in that pose alone"
+    return [f"{found}: import what moves as types of their own, a file each"]
+
+
 def _link_frames(root: Element, path: Path) -> dict[str, Frame]:
     """root_from_link of every link."""
     names = [link.get("name", "") for link in root.findall("link")]

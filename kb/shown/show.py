@@ -12,20 +12,21 @@ import numpy as np
 from geometry.frames import transform_points
 from kb.clouds.cloud import KnowledgeBase, ObjectType
 from kb.clouds.lobes import Feature, Lobe, object_nodes
-from kb.shown.cautions import MOST_NAMED, cautions, learned_summary
+from kb.shown.cautions import cautions, learned_summary
+from kb.shown.seen_from import MOST_NAMED
 
 CLOSE = 0.01
 """A symmetry may move the surface's vertices by this share of its diameter."""
 
 
 def check_report(kb: KnowledgeBase) -> list[str]:
-    """A line about the KB, one about each type, and one for each fault (``warning:``) or ambiguity (``note:``)."""
+    """A line for each fault (``warning:``) and ambiguity (``note:``), then one about the KB and one about each type."""
     words = f", {_count(len(kb.words.names), 'visual word')}" if kb.words is not None else ""
     own = len(kb.appearance_types) - (len(kb.words.names) if kb.words is not None else 0)
     head = f"{kb.name}: {_count(len(kb.types), 'type')}, {_count(own, 'appearance type')}{words}, no mistakes"
     summaries = (line for kind in kb.types for line in _summary(kind))
     warnings = (f"warning: {caution}" for caution in cautions(kb))
-    return [head, *summaries, *warnings, *(f"note: {note}" for note in _notes(kb))]
+    return [*warnings, *(f"note: {note}" for note in _notes(kb)), head, *summaries]
 
 
 def _count(number: int, thing: str) -> str:
@@ -52,7 +53,7 @@ def feature_counts(kind: ObjectType) -> dict[str, int]:
 
 def _notes(kb: KnowledgeBase) -> Iterator[str]:
     if not kb.types:
-        yield "there is no type: nothing can be perceived"
+        yield "there is no type: nothing can be perceived; make one: plogic kb add NAME --mesh FILE --kb KB"
     seen = {name for kind in kb.types for name in kind.lobes.types} | set(
         kb.words.names if kb.words is not None else ()
     )

@@ -26,6 +26,12 @@ WELD = 1e-6
 FLAT = 1e-9
 """A facet is degenerate whose height is less than this, as a share of its longest side."""
 
+OPEN = (
+    "It hides what is behind it all the same, but A4 says nothing of it: others may stand in it. "
+    "Where that is not meant, close it in a mesh editor"
+)
+"""What follows for a surface that is no solid, and the remedy."""
+
 
 @dataclass(frozen=True, eq=False)
 class Surface:
@@ -80,10 +86,12 @@ class Surface:
         if self.solid is self:
             return ""
         what = f"the mesh is not closed ({self.faults})" if not self.closed else "the mesh encloses no volume"
+        if self.closed and self.volume > 0:
+            what = f"the mesh is not manifold ({self.faults or 'facets meet in single vertices'})"
         solid, done, refused = self.mended
         if solid is not None:
             return f"{what}; repaired for shared volume (A4): {done}; {solid.volume:.4g} m3"
-        return f"{what}; refused as a solid: {refused}. It hides what is behind it all the same, but A4 says nothing of it: others may stand in it"
+        return f"{what}; refused as a solid: {refused}. {OPEN}"
 
     @property
     def solid(self) -> "Surface | None":

@@ -7,6 +7,7 @@ import json
 import os.path
 import re
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -19,9 +20,9 @@ from kb.files.folder import MAX_BYTES, load
 from kb.files.write import obj_text, object_text
 from kb.intake.bop_models import bop_models, bop_symmetries
 from kb.intake.new_type import EDITOR_LINE, NewType, check_name, new_kb_files, new_type, schema_files
-from kb.intake.robots import merged, sdf_visuals, urdf_visuals
+from kb.intake.robots import frozen_joints, merged, sdf_visuals, urdf_visuals
 from kb.intake.source import read_source
-from kb.shown.cautions import FIXING_A_POSE
+from kb.shown.seen_from import FIXING_A_POSE
 from plogic.base.errors import InputError
 from plogic.run.sources import kb_of
 from plogic.sequence.constancy.panorama_reading import unknown_of
@@ -93,7 +94,9 @@ def told(folder: Path, types: Sequence[NewType], what: str, *, new: bool, as_jso
     if as_json:
         documents: list[dict[str, Any]] = [kind.document | {"notes": list(kind.notes)} for kind in types]
         return json.dumps({"format": f"{what}/1", "kb": str(folder), "new_kb": new, "types": documents})
-    lines = [line for kind in types for line in (*kind.lines, *(f"  note: {note}" for note in kind.notes))]
+    noted = [(kind, note) for kind in types for note in kind.notes]
+    lines = [f"note: {note}" if len(types) == 1 else f"note: {kind.name}: {note}" for kind, note in noted]
+    lines += [line for kind in types for line in kind.lines]
     lines += [f"made a new knowledge base: {folder}"] if new else []
     wrote = ", ".join(str(folder / "objects" / kind.name) for kind in types[:3]) + (
         f" and {len(types) - 3} more" if len(types) > 3 else ""
@@ -152,7 +155,8 @@ def _of_robot(path: Path, folder: Path, units: str | None) -> NewType:
     stem = path.resolve().parent.name if path.stem == "model" else path.stem  # Gazebo's: NAME/model.sdf
     name = re.sub(r"[^A-Za-z0-9_.-]", "_", stem).lstrip(".-") or "robot"
     check_places(folder, [name])
-    return new_type(name, merged(path, reader(path)), units or "m", path)
+    source = merged(path, reader(path))
+    return new_type(name, replace(source, notes=(*frozen_joints(path), *source.notes)), units or "m", path)
 
 
 def _of_bop(models: Path, folder: Path, units: str | None) -> list[NewType]:

@@ -25,6 +25,7 @@ from plogic.facts.document import HypothesisRow, Interpretation, RejectedRow
 from plogic.facts.interpretation import text_of
 from plogic.facts.situation import stopped_in
 from plogic.run.perceive import perceiver_of
+from plogic.run.silence.beforehand import beforehand
 from plogic.run.sources import detected, gamma_of, image_of, is_gamma, kb_of, sized
 from plogic.scene.readings.unfinished import REASONS
 from plogic.scene.worlds.predictions import Doubt, said
@@ -65,7 +66,7 @@ def _of_one(source: str, options: Perceiving, say: Say, write: Say) -> int:
     with clock.stage("read"):
         kb = kb_of(options.kb)
         picture = None if is_gamma(source) else image_of(source, options.camera)
-    _tell_unchecked(kb, say)
+    _tell_of(kb, options.kb, say)
     gamma, image = gamma_of(source, picture, options.camera, kb, clock)
     with clock.stage("index"):
         perceiver = perceiver_of(kb, options.generator)
@@ -74,7 +75,7 @@ def _of_one(source: str, options: Perceiving, say: Say, write: Say) -> int:
         with clock.stage("doubts"):
             document = doubts_weighed(document)
     status = _write_all(document, options, image, clock, write)
-    for line in (_summary(document, clock), *_impossible(document), *_doubts(document)):
+    for line in (*_silence(document, gamma, kb), _summary(document, clock), *_impossible(document), *_doubts(document)):
         say(line)
     return status
 
@@ -88,7 +89,7 @@ def _of_pair(inputs: Sequence[str], options: Perceiving, stereo: str, say: Say, 
     check_places(_places(options))
     clock = Stopwatch()
     kb = kb_of(options.kb)
-    _tell_unchecked(kb, say)
+    _tell_of(kb, options.kb, say)
     calibration = read_stereo(stereo)
     cameras = calibration.left, calibration.right
     (left, image), (right, _) = (
@@ -103,7 +104,8 @@ def _of_pair(inputs: Sequence[str], options: Perceiving, stereo: str, say: Say, 
     status = _write_all(document, options, image, clock, write)
     deep = sum(a.depth is not None for a in gamma.appearances)
     say(f"{len(right.appearances)} appearances in the right image; {deep} of the left one's have depth")
-    say(_summary(document, clock))
+    for line in (*_silence(document, gamma, kb), _summary(document, clock)):
+        say(line)
     return status
 
 
@@ -125,8 +127,10 @@ def _chosen(options: Perceiving) -> Options:
     return Options(options.reading, options.reconsider, options.smoothing, end, options.dv_over)
 
 
-def _tell_unchecked(kb: KnowledgeBase, say: Say) -> None:
-    """Say which part of Σ cannot be checked on this machine."""
+def _tell_of(kb: KnowledgeBase, folder: str, say: Say) -> None:
+    """Say what of Σ is never found, what of it is no solid, and which part cannot be checked on this machine."""
+    for line in beforehand(kb, folder):
+        say(line)
     if kb.gravity and not has_physics():
         say(f"who holds whom is not checked, for {NO_PHYSICS}: {INSTALL}")
 
@@ -190,6 +194,15 @@ def _impossible(document: Interpretation) -> list[str]:
     ]
 
 
+def _silence(document: Interpretation, gamma: Gamma, kb: KnowledgeBase) -> list[str]:
+    """Why an answer is empty; nothing of one that is not, or that a deadline left so."""
+    if stopped_in(document) or any(h["status"] != "rejected" for h in document["hypotheses"]):
+        return []
+    from plogic.run.silence.causes import why_nothing
+
+    return why_nothing(document, gamma, kb)
+
+
 def _summary(document: Interpretation, clock: Stopwatch) -> str:
     """One line: what was found, whether that is all, and how long it took."""
     stopped = stopped_in(document)
@@ -222,7 +235,7 @@ def _of_sequence(frames: Sequence[str], options: Perceiving, say: Say, write: Sa
             raise InputError(f"--{key}: is made of one frame; give one INPUT, or leave it out")
     check_places(_places(options))
     kb = kb_of(options.kb)
-    _tell_unchecked(kb, say)
+    _tell_of(kb, options.kb, say)
     if observes(kb.rules):
         say(
             "rules.pl: over several views it counts who is present; relations are of one view, and are not told to rules"

@@ -55,6 +55,17 @@ def test_a_urdf_is_one_type_in_its_zero_pose(tmp_path, folder):
     assert arm.surface.volume == pytest.approx(6 + 0.002)
 
 
+def test_joints_that_move_are_said_to_be_frozen_in_the_first_line(tmp_path, folder):
+    write_box(tmp_path / "box.obj")
+    (tmp_path / "arm.urdf").write_text(URDF)
+    first = good("kb", "import", tmp_path / "arm.urdf", "--kb", folder).splitlines()[0]
+    assert first.startswith(
+        "note: 1 joint that moves is frozen in the zero pose (j), and the type is found in that pose"
+    )
+    (tmp_path / "still.urdf").write_text(URDF.replace("revolute", "fixed"))
+    assert "note:" not in good("kb", "import", tmp_path / "still.urdf", "--kb", folder)
+
+
 def test_an_sdf_with_poses_and_scales(tmp_path, folder):
     (tmp_path / "thing").mkdir()
     write_box(tmp_path / "thing" / "box.obj")

@@ -142,7 +142,7 @@ def test_lists_say_how_many_compounds_there_are(kb):
     summary = learned_summary(kb.type("one"))
     assert (summary.features, summary.compounds, summary.joined, summary.largest) == (8, 2, 5, 3)
     told = "8 features, 5 of them in 2 compounds of 2 to 3, 16 appearances"
-    assert told in check_report(kb)[1]
+    assert any(told in line for line in check_report(kb))
     assert told in tree_text(kb)
     learned = tree_document(kb)["types"][0]["learnt"]
     assert (learned["compounds"], learned["joined"], learned["largest"]) == (2, 5, 3)

@@ -6,7 +6,9 @@ import trimesh
 from small_kb import MESH, write_small
 
 from kb.files.read import read_kb
+from kb.intake.new_type import _document, _lines
 from kb.shown.cautions import cautions
+from kb.surfaces.repair import Repaired
 from kb.surfaces.surface import Surface
 
 
@@ -73,3 +75,34 @@ def test_kb_check_says_which(tmp_path):
     kb = read_kb(write_small(tmp_path / "turned", mesh=MESH.replace("f 3 1 4\n", "f 3 4 1\n")))
     (said,) = [text for text in cautions(kb) if "not closed" in text]
     assert "repaired for shared volume (A4): 1 facet turned over" in said
+
+
+def test_a_reason_stands_after_refused_as_a_solid_or_nothing_is_refused():
+    """A small hole: what is not closed is repaired as a solid, and ``kb add`` says so, not "refused" without a why."""
+    vertices, triangles = ball()
+    holed = Surface(vertices, triangles[1:])
+    (line,) = [line for line in _lines(document_of(holed), made(holed)) if "not closed" in line]
+    assert line == "  not closed: 3 edges in one facet only; as a solid (A4) it is repaired: 1 hole filled"
+    bowl = Surface(vertices, triangles[vertices[triangles][:, :, 2].mean(axis=1) < 0.3])
+    (line,) = [line for line in _lines(document_of(bowl), made(bowl)) if "not closed" in line]
+    assert "refused as a solid: 1 hole is larger than 20% of it, and may be meant." in line
+
+
+def made(surface):
+    """What ``kb add`` would have kept as it came."""
+    return Repaired(surface, len(surface.vertices), len(surface.triangles), 0, 0, 0, 0, 0.0)
+
+
+def document_of(surface):
+    return _document("ball", made(surface), "none", {}, [], []) | {"parts": 0}
+
+
+def test_a_closed_surface_that_is_not_manifold_is_called_so():
+    """Two bodies that meet along an edge enclose a volume, which is not manifold."""
+    square = np.array([[0.0, 0, 0], [0, 0, 1], [1, 0, 0], [0, 1, 0], [-1, 0, 0], [0, -1, 0]])
+    one = np.array([[0, 1, 2], [0, 2, 3], [0, 3, 1], [1, 3, 2]])
+    other = np.array([[0, 1, 4], [0, 4, 5], [0, 5, 1], [1, 5, 4]])
+    surface = Surface(square, np.concatenate([one, other])[:, ::-1])
+    assert surface.closed
+    said = surface.caution
+    assert said == "" or said.startswith("the mesh is not manifold (1 edges in more than two facets)")
