@@ -40,8 +40,8 @@ from plogic.face.shown.options import (
     say,
 )
 
-SIZED = "places", "scale", "panorama", "stereo", "constancy", "look-again", "occlusion"
-BENCHES = "towers", "worlds", "recognition", "box", "clutter", "many", "calibration", "batch", *SIZED
+SIZED = "places", "scale", "panorama", "stereo", "constancy", "look-again", "occlusion", "attention"
+BENCHES = "towers", "worlds", "programs", "recognition", "box", "clutter", "many", "calibration", "batch", *SIZED
 NO_MEMORY = "failed to map segment", "Cannot allocate memory", "Insufficient memory", "can't start new thread"
 """What libraries say in whose errors memory ran out."""
 
@@ -261,12 +261,12 @@ def simulate(kb_folder: str, number: int, decoys: int, seed: int, out: Path, **o
     type=Number(0.0, min_open=True),
     default=60.0,
     show_default=True,
-    help="Seconds of a stock run (`worlds`) or of a peer (`recognition`, `clutter`, `many`).",
+    help="Seconds of a stock run (`worlds`, `programs`) or of a peer (`recognition`, `clutter`, `many`).",
 )
 @click.option(
     "--quick",
     is_flag=True,
-    help="Small sizes of `worlds`, the box alone, few scenes or trials of the others; not of `towers`.",
+    help="Small sizes of `worlds` and `programs`, the box alone, few scenes or trials of the others; not of `towers`.",
 )
 @click.option(
     "--picture",

@@ -36,11 +36,14 @@ AIMED = 0.2
 """Share of the objects (the first aside) that are placed so that one more is half hidden."""
 
 
-def scene(kb: KnowledgeBase, seed: int) -> tuple[Gamma, tuple[Truth, ...]]:
-    """What the detector reports in the scene of a seed, in an order that tells nothing; and what stands there."""
-    rng = np.random.default_rng([seed, len(kb.types), len(kb.appearance_types), *OBJECTS])
+def scene(kb: KnowledgeBase, seed: int, number: tuple[int, int] = OBJECTS) -> tuple[Gamma, tuple[Truth, ...]]:
+    """What the detector reports in the scene of a seed, in an order that tells nothing; and what stands there.
+
+    ``number``: least and most objects.
+    """
+    rng = np.random.default_rng([seed, len(kb.types), len(kb.appearance_types), *number])
     while True:
-        objects = placed(kb, rng, OBJECTS, AIMED)
+        objects = placed(kb, rng, number, AIMED)
         own = [_reported(kb, objects, which, rng) for which in range(len(objects))]
         truths, found = truths_of(objects), sum(len(uv) for _, uv in own)
         told = all(len(uv) >= FEWEST or t.fraction < HALF for t, (_, uv) in zip(truths, own, strict=True))

@@ -73,10 +73,10 @@ class Body(NamedTuple):
     storey: list[int]
 
 
-def places_kb(count: int, seed: int = 0) -> KnowledgeBase:
-    """Σ of so many types, with the statistics of the detector."""
-    rng = np.random.default_rng([seed, count, *LOOKS])
-    names = type_names(int(rng.integers(*LOOKS, endpoint=True)))
+def places_kb(count: int, seed: int = 0, looks: tuple[int, int] = LOOKS) -> KnowledgeBase:
+    """Σ of so many types, with the statistics of the detector; ``looks``: least and most appearance types."""
+    rng = np.random.default_rng([seed, count, *looks])
+    names = type_names(int(rng.integers(*looks, endpoint=True)))
     kb = knowledge_base([polyhedron(f"p{i:02d}", names, rng) for i in range(count)], names, DETECTOR)
     rates = replace(
         kb.rates,

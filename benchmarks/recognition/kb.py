@@ -56,14 +56,16 @@ def ours(meshes: Mapping[str, Path], folder: Path, say: Callable[[str], None]) -
     )
 
 
-def learn_into(folder: Path, meshes: Mapping[str, Path], say: Callable[[str], None], seed: int = 0) -> None:
-    """``plogic kb new``, and ``kb add`` and ``kb learn`` of every mesh (metres), if any: the newcomer's path."""
+def learn_into(
+    folder: Path, meshes: Mapping[str, Path], say: Callable[[str], None], seed: int = 0, unit: str = "m"
+) -> None:
+    """``plogic kb new``, and ``kb add`` and ``kb learn`` of every mesh, if any: the newcomer's path."""
     from plogic.face.authoring.kb_learn import learn_command
     from plogic.face.authoring.kb_types import add_command, new_command
 
     new_command(folder, None)
     for name, mesh in meshes.items():
         say(f"adding {name}")
-        add_command(name, mesh, "m", folder, as_json=False)
+        add_command(name, mesh, unit, folder, as_json=False)
     if meshes:
         learn_command(str(folder), list(meshes), replace(LEARNING, seed=seed), say=say)

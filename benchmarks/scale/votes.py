@@ -104,7 +104,7 @@ def seen(ready: Ready, trial: Trial) -> Seen:
     with uncollected():
         data = data_of(trial.gamma.appearances, trial.gamma.camera, WIDTH)
         times = [process_time()]
-        attention = attend(ready.indices.values(), data.types, ready.kb)
+        attend(ready.indices.values(), data.types, ready.kb)
         times.append(process_time())
         search = _search(ready, data)
         raw = search.raw
@@ -113,7 +113,7 @@ def seen(ready: Ready, trial: Trial) -> Seen:
         times.append(process_time())
         search.proposals(data)
         times.append(process_time())
-        cycle = perceive(Task(data, ready.kb, _models(ready), ready.dv), attention)
+        cycle = perceive(Task(data, ready.kb, _models(ready), ready.dv))
         times.append(process_time())
     first, voting, counting, proposing, whole = np.diff(times).tolist()
     laying = max(0.0, proposing - counting)
@@ -121,7 +121,7 @@ def seen(ready: Ready, trial: Trial) -> Seen:
     right = is_right(ready, votes, data, trial)
     best = np.argsort(-votes.weight, kind="stable")[: USUAL.laid]
     found = [_found(belief, trial) for belief in cycle.accepted]
-    place = [row.type for row in attention].index(trial.truth.type) / len(attention)
+    place = [row.type for row in cycle.attention].index(trial.truth.type) / len(cycle.attention)
     return Seen(stages, bool(right[best].any()), any(found), len(found) - sum(found), place)
 
 
@@ -190,9 +190,8 @@ def falsely_accepted(ready: Ready, gamma: Gamma, rng: np.random.Generator) -> in
         gamma.camera, tuple(replace(datum, type=new.get(datum.type, datum.type)) for datum in gamma.appearances)
     )
     data = data_of(exchanged.appearances, exchanged.camera, WIDTH)
-    attention = attend(ready.indices.values(), data.types, ready.kb)
     with uncollected():
-        return len(perceive(Task(data, ready.kb, _models(ready), ready.dv), attention).accepted)
+        return len(perceive(Task(data, ready.kb, _models(ready), ready.dv)).accepted)
 
 
 def _models(ready: Ready) -> Models:

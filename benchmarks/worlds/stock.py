@@ -123,7 +123,9 @@ def main() -> None:
     knowledge, megabytes = sys.argv[1], int(sys.argv[2])
     import problog  # noqa: F401 - imported before the clock starts
 
-    import plogic.logic.answers.answer  # noqa: F401 - the same, for our own way
+    import plogic.logic.answers.answer
+    import plogic.logic.answers.by_tables
+    import plogic.logic.dnnf.compiled  # noqa: F401 - the same, for our own way
 
     limit = megabytes * 2**20
     resource.setrlimit(resource.RLIMIT_AS, (limit, limit))

@@ -20,11 +20,12 @@ from plogic.facts.hypothesis import Hypothesis
 from plogic.match.gamma.data import Data
 from plogic.match.judged.evidence import pose_information
 from plogic.match.judged.rivals import (
+    EVEN,
     SHARED_CLAIMS,
     apart_on_screen,
     contacts,
-    excludes,
     hidden_among,
+    in_the_way,
     moved_apart,
     shared_claims,
 )
@@ -44,16 +45,21 @@ def kept(task: Task, state: State) -> State:
 def glance(task: Task, state: State, found: Sequence[tuple[float, Hypothesis]]) -> None:
     """Where there is a deadline keep what Δi is with the best of some poses, if that is heavier than what is kept.
 
-    So there is an answer before a round is over.
+    So there is an answer before a round is over. What was kept at a glance before stays, where Δi is part of it.
     """
-    if task.end is None or not found or state.stable.weight + found[0][0] <= task.heaviest.stable.weight:
+    if task.end is None or not found:
         return
-    anew = bool(state.accepted) or not task.models[found[0][1].type].settled_when_found
-    proposed = judge(task, state.accepted, found[0][1], 0, anew=anew)
+    kept_so_far = task.heaviest.stable
+    further = all(among(hypothesis, kept_so_far.accepted) for hypothesis in state.accepted)
+    beside, steps = (kept_so_far.accepted, kept_so_far.steps) if further else (state.accepted, ())
+    if sum(h.worth for h in beside) + found[0][0] <= kept_so_far.weight:
+        return
+    anew = bool(beside) or not task.models[found[0][1].type].settled_when_found
+    proposed = judge(task, beside, found[0][1], 0, anew=anew)
     task.deadline.check()
-    hypothesis = judge(task, state.accepted, proposed, 2)
-    if refusal(task, state, hypothesis) is None:
-        with_it = stable(task, (*state.accepted, accepted(hypothesis)), (acceptance(hypothesis),))
+    hypothesis = judge(task, beside, proposed, 2)
+    if refusal(task, replace(state, accepted=beside), hypothesis) is None:
+        with_it = stable(task, (*beside, accepted(hypothesis)), (*steps, acceptance(hypothesis)))
         if with_it.weight > task.heaviest.stable.weight + HEAVIER:
             task.heaviest.stable = with_it
 
@@ -172,7 +178,7 @@ def exchanged(task: Task, state: State) -> State:
     accepted first may stand in the way of what explains more.
     """
     for rival in sorted(state.rivals, key=lambda h: -h.worth):
-        excluded = [h for h in state.accepted if excludes(rival, h)]
+        excluded = [h for h in state.accepted if in_the_way(rival, h)]
         enough = state.stable.weight + task.models[rival.type].significance(rival)
         by_volume = all(shared_claims(rival, h)[1] <= SHARED_CLAIMS for h in excluded)
         for lost in ([], excluded) if by_volume and excluded else (excluded,):
@@ -207,7 +213,7 @@ Those of ``State.accepted``, where nothing changes.
 def best_first(task: Task, state: State, judged: Sequence[Hypothesis]) -> tuple[Hypothesis, ...]:
     """Δi with the best of the judged that is acceptable, refined beside Δi."""
     left = task.data.only(free(task, state.accepted))
-    for hypothesis in sorted(judged, key=lambda h: -h.worth)[:POLISHED]:
+    for hypothesis in sorted(judged, key=lambda h: -round(h.worth, EVEN))[:POLISHED]:
         task.deadline.check()
         whole = task.models[hypothesis.type].settled_when_found
         if whole and not _hopeful(task, hypothesis):

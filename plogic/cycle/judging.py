@@ -20,6 +20,7 @@ from plogic.match.judged.rivals import (
     apart_on_screen,
     excludes,
     hidden_among,
+    in_the_way,
     moved_apart,
     overlap,
     shared_claims,
@@ -203,17 +204,19 @@ def making_way(task: Task, state: State, rivals: Sequence[Hypothesis]) -> tuple[
 def _alone(task: Task, state: State, hypothesis: Hypothesis) -> Hypothesis | None:
     """The hypothesis beside the other accepted ones, with the data of those that it would replace.
 
-    None where it explains them worse by far.
+    None where it explains them worse by far; and, of those that only hide it, where it does not explain more by far.
     """
-    replaced = [h for h in state.accepted if excludes(hypothesis, h)]
+    replaced = [h for h in state.accepted if in_the_way(hypothesis, h)]
     if not replaced:
         return None
+    least = task.models[hypothesis.type].significance(hypothesis)
+    least *= -1.0 if any(excludes(hypothesis, h) for h in replaced) else 1.0
     others = [h for h in state.accepted if not any(h is one for one in replaced)]
     found = _beside(task, hypothesis, hypothesis.camera_from_object, others, rounds=1)
     if among(found, state.accepted):
         return None
     enough = (found.expected(found.hidden) & found.detected).sum() >= FEWEST
-    near = found.worth > sum(h.worth for h in replaced) - task.models[hypothesis.type].significance(hypothesis)
+    near = found.worth > sum(h.worth for h in replaced) + least
     return found if enough and found.ev_reconsidered is not None and near else None
 
 

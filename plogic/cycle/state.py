@@ -134,13 +134,14 @@ class Task:
 class Attention:
     """rank(Type), its excess over what clutter alone would give, and the best rank within one view cell.
 
-    All in [−1, 1].
+    All in [−1, 1]. ``vote``: how well its best pose is voted for, 0 where nothing votes.
     """
 
     type: str
     rank: float
     excess: float
     within_cell: float
+    vote: float = 0.0
 
 
 class Proposal(NamedTuple):
@@ -161,7 +162,7 @@ class State:
     round; ``passed`` those that were of too little worth for that, without their arrays. ``rivals``, ``rejected``: what
     was told of the others. ``refused`` was accepted once, and did not hold. ``stable`` is Δi made stable.
     ``stood_on``: of how many accepted ones it was asked what stands on their plane. ``turns``: how often something
-    gave reason to go round again.
+    gave reason to go round again; ``tried``: the types that were searched for, and after how many turns last.
     """
 
     attention: tuple[Attention, ...] = ()
@@ -174,6 +175,7 @@ class State:
     stable: Stable = field(default_factory=Stable)
     stood_on: int = 0
     turns: int = 0
+    tried: Mapping[str, int] = field(default_factory=dict)
     steps: tuple[Step, ...] = ()
 
     def tells(self, *steps: Step) -> "State":

@@ -24,7 +24,7 @@ from typing import Any, NamedTuple, TypeVar
 import numpy as np
 from numpy.typing import NDArray
 
-from plogic.base.walk import by_key
+from plogic.base.walk import by_key, roots
 
 Tables = tuple[tuple[tuple[int, ...], NDArray[np.float64]], ...]
 Scoped = tuple[tuple[int, ...], NDArray[np.float64]]
@@ -132,27 +132,6 @@ def connected(graph: FactorGraph) -> list[tuple[int, ...]]:
     """The variables of each connected piece, increasing, those of card 1 too; the pieces by their least variable."""
     root = roots(len(graph.cards), (factor.scope for factor in graph.factors))
     return list(map(tuple, by_key(zip(root, range(len(root)), strict=True)).values()))
-
-
-def roots(count: int, scopes: Iterable[tuple[int, ...]]) -> list[int]:
-    """Per variable, the least variable of its connected piece."""
-    root = list(range(count))
-    for scope in scopes:
-        if len(scope) > 1:
-            tops = {_top(root, v) for v in scope}
-            least = min(tops)
-            for top in tops:
-                root[top] = least
-    for v in range(count):
-        root[v] = root[root[v]]
-    return root
-
-
-def _top(root: list[int], v: int) -> int:
-    while root[v] != v:
-        root[v] = root[root[v]]
-        v = root[v]
-    return v
 
 
 Term = TypeVar("Term", bound="tuple[tuple[int, ...], NDArray[Any]]")

@@ -25,6 +25,9 @@ from functools import reduce
 from operator import or_
 from typing import NamedTuple
 
+from plogic.base.errors import WidthError
+
+MOST_BITS = 1000.0  # of a limit: no double holds more cells
 EASY = 12.0  # bits; up to here min-fill's order is taken as it is
 
 
@@ -52,18 +55,22 @@ def neighbours(count: int, scopes: Iterable[Sequence[int]]) -> list[int]:
 
 
 def elimination_order(
-    cards: Sequence[int], scopes: Iterable[Sequence[int]], check: Callable[[], None] = lambda: None
+    cards: Sequence[int],
+    scopes: Iterable[Sequence[int]],
+    check: Callable[[], None] = lambda: None,
+    most: float = math.inf,
 ) -> Order:
     """The best order found: min-fill's, and past ``EASY`` bits the cheapest of min-fill, a sweep and the numbering.
 
-    ``check`` is called at every variable, and may raise.
+    ``check`` is called at every variable, and may raise. WidthError where min-fill comes to a table of more than
+    2^``most`` cells.
     """
     bits = [math.log2(card) for card in cards]
     graph = neighbours(len(cards), scopes)
-    best = _order(min_fill(list(graph), cards, range(len(cards)), check), bits)
+    best = _order(min_fill(list(graph), cards, range(len(cards)), check, most), bits)
     if best.width <= EASY:
         return best
-    others = (_along(graph, bits, _sweep(graph, bits, check)), _along(graph, bits, range(len(cards))))
+    others = (_along(graph, bits, sweep(graph, bits, check)), _along(graph, bits, range(len(cards))))
     return min((best, *others), key=lambda order: order.work)
 
 
@@ -77,8 +84,13 @@ def min_fill(
     cards: Sequence[int],
     chosen: Iterable[int],
     check: Callable[[], None] = lambda: None,
+    most: float = math.inf,
 ) -> tuple[list[int], list[int]]:
-    """(order, rests) of ``chosen`` by least fill, ties by the smaller table, then by number; changes ``graph``."""
+    """(order, rests) of ``chosen`` by least fill, ties by the smaller table, then by number; changes ``graph``.
+
+    WidthError at a table of more than 2^``most`` cells.
+    """
+    limit = 2.0**most if most < MOST_BITS else math.inf
     rests = [0] * len(graph)
     sequence: list[int] = []
     keys = {v: _key(graph, cards, v) for v in chosen}
@@ -89,6 +101,8 @@ def min_fill(
         fill, size, v = heapq.heappop(heap)
         if keys.get(v) != (fill, size):
             continue
+        if size > limit:
+            raise WidthError(f"variable {v} needs a table of {math.log2(size):.1f} bits; the limit is {most:g}")
         del keys[v]
         sequence.append(v)
         rests[v] = graph[v]
@@ -152,7 +166,7 @@ def members(mask: int) -> list[int]:
     return result
 
 
-def _sweep(graph: Sequence[int], bits: Sequence[float], check: Callable[[], None]) -> list[int]:
+def sweep(graph: Sequence[int], bits: Sequence[float], check: Callable[[], None] = lambda: None) -> list[int]:
     """From an end of the graph, always the boundary variable that brings the fewest bits of new ones, ties by age."""
     left = (1 << len(graph)) - 1
     sequence: list[int] = []

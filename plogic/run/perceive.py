@@ -15,7 +15,7 @@ from plogic.base.jobs import processors
 from plogic.base.remembered import cache_folder
 from plogic.cycle.delta import Delta, Options, delta_of
 from plogic.cycle.judging import over_instances
-from plogic.cycle.perception import Seed, attend, perceive
+from plogic.cycle.perception import Seed, perceive
 from plogic.cycle.state import Cycle, Task
 from plogic.facts.document import Interpretation, StepRow
 from plogic.facts.hypothesis import Hypothesis
@@ -144,11 +144,9 @@ class Perceiver:
         unexplained here, as a rule.
         """
         data = data_of(gamma.in_order().appearances, gamma.camera, self.width)
-        with clock.stage("rank"):
-            attention = attend(self.models.values(), data.types, self.kb)
         with clock.stage("search"), uncollected():
             task = Task(data, self.kb, self.models, self.dv, options.end, self.processes)
-            cycle = perceive(task, attention, seeds, usual)
+            cycle = perceive(task, seeds=seeds, usual=usual)
         return data, cycle
 
 

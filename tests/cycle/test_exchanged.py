@@ -15,8 +15,8 @@ from plogic.run.perceive import Perceiver
 
 THIN = (0.006, 0.08, 1.0)
 """Half of a plank's thickness, m; its slope; noise of data, pixels."""
-STUCK = (1, 13)
-"""Seeds: as estimated, the third shares volume with one that was accepted before."""
+STUCK = (11, 13)
+"""Seeds, the first two: as estimated, the third shares volume with one that was accepted before."""
 
 
 @cache

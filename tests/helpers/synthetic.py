@@ -18,7 +18,7 @@ from geometry.visibility.rays import behind
 from kb.clouds.lobes import in_lobe
 from kb.files.folder import shipped
 from kb.files.read import read_kb
-from plogic.cycle.perception import attend, perceive
+from plogic.cycle.perception import perceive
 from plogic.cycle.state import Task
 from plogic.match.gamma.data import data_of
 from plogic.match.judged.evidence import judged
@@ -171,9 +171,7 @@ def task_of(gamma, end=None):
 
 def cycle_of(gamma, end=None):
     """One run of the perceptual cycle."""
-    ready = perceiver()
-    attention = attend(list(ready.models.values()), [a.type for a in gamma.appearances], ready.kb)
-    return perceive(task_of(gamma, end), attention)
+    return perceive(task_of(gamma, end))
 
 
 def posed_at(name, pose, of):

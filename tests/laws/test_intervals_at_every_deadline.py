@@ -21,8 +21,8 @@ from stopping import LONG, stopped
 from tangles import tangle
 
 from plogic.base.errors import InconsistentError
-from plogic.logic.answers import answer as anytime
-from plogic.logic.answers import answer as bounds
+from plogic.logic.answers import intervals as anytime
+from plogic.logic.answers import intervals as bounds
 from plogic.logic.answers import state_ranking as ranking
 from plogic.logic.served.engine import through
 from plogic.logic.served.program_child import serve

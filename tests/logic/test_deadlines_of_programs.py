@@ -7,8 +7,8 @@ from drawn_programs import programs
 from hypothesis import HealthCheck, assume, given, settings
 from hypothesis import strategies as st
 
-from plogic.logic.answers import answer as bounding
-from plogic.logic.answers.answer import Bounds, answers_by
+from plogic.logic.answers import intervals as bounding
+from plogic.logic.answers.intervals import Bounds, answers_by
 from plogic.logic.grounding.load import ground, request_from
 from plogic.logic.served.engine import Text, program_worlds, run, run_until
 

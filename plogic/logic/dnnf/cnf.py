@@ -1,6 +1,6 @@
 """The ground program as clauses: Clark's completion, one outcome per alternative, the evidence; then unit propagation.
 
-``Residue`` is the result: variables with a fixed value, modules, and the components that must be compiled.
+``Propagated`` is what that leaves; ``Residue``: its modules, and the components that must be compiled.
 
 ``Modules`` are gates whose inputs nothing else uses, down to the choices. Such a module is a tree, so its d-DNNF
 follows from it, in as many nodes as it has inputs; a compiler's, being made smooth, would grow with their square. The
@@ -15,14 +15,14 @@ from collections import Counter
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-from plogic.base.walk import by_key
-from plogic.inference.graph import roots
+from plogic.base.walk import by_key, roots
 from plogic.logic.grounding.ground_program import TRUE, Gate, Ground
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence
 
     from plogic.logic.dnnf.nnf import Nnf
+    from plogic.logic.grounding.ground_program import Alternative
 
 Clause = tuple[int, ...]
 """Literals of which at least one is true."""
@@ -122,15 +122,40 @@ PAIRWISE = 8
 """An alternative of up to so many outcomes excludes them pair by pair."""
 
 
-@dataclass(frozen=True)
-class Residue:
-    """``fixed``: variable → value; ``modules``: what needs no compiler.
+IMPOSSIBLE = "no world satisfies the evidence: its probability is 0"
 
-    ``components``: other clauses, that share no variable with another's.
+
+@dataclass(frozen=True)
+class Propagated:
+    """A program with its evidence after unit propagation.
+
+    ``fixed``: variable → value; ``others``: the other clauses, without those that define an open gate.
 
     ``log_weight``: variable → (log weight where true, where false), 0 for what is derived; finite for every variable
     that is not fixed. ``rest``: index of an alternative → the variable that stands for none of its choices. ``size``:
     number of variables, those included.
+    """
+
+    size: int
+    fixed: dict[int, bool]
+    others: tuple[Clause, ...]
+    log_weight: dict[int, tuple[float, float]]
+    rest: dict[int, int]
+
+    def outcomes(self, index: int, alternative: Alternative) -> list[tuple[int, float]]:
+        """What an alternative may still come to: (choice, or 0 for none of them; its share)."""
+        pairs = list(zip(alternative.variables, alternative.shares, strict=True))
+        taken = [(v, share) for v, share in pairs if self.fixed.get(v, False)]
+        none = index not in self.rest or self.fixed.get(self.rest[index], True)
+        found = taken or [(v, p) for v, p in pairs if v not in self.fixed] + [(0, alternative.rest)] * none
+        return [(v, share) for v, share in found if share > 0.0]
+
+
+@dataclass(frozen=True)
+class Residue:
+    """``fixed``, ``log_weight`` and ``rest`` as of ``Propagated``; ``modules``: what needs no compiler.
+
+    ``components``: other clauses, that share no variable with another's. ``size``: number of variables.
     """
 
     size: int
@@ -141,8 +166,11 @@ class Residue:
     rest: dict[int, int]
 
 
-def residue(ground: Ground) -> Residue | None:
-    """The clauses of a program with its evidence, after unit propagation; None if they contradict each other."""
+def propagated(ground: Ground) -> Propagated | None:
+    """The clauses of a program with its evidence, after unit propagation; None if they contradict each other.
+
+    Of a cyclic program, what is fixed is so in every world, though the clauses hold in more than its worlds.
+    """
     clauses: list[Clause] = [(literal,) for literal in ground.observed]
     owners = [0] * len(clauses)
     for variable, gate in ground.gates.items():
@@ -151,14 +179,20 @@ def residue(ground: Ground) -> Residue | None:
     weight: dict[int, tuple[float, float]] = {}
     rest: dict[int, int] = {}
     size = _choices(ground, clauses, weight, rest)
-    propagated = _propagate(size, clauses)
-    if propagated is None:
+    found = _propagate(size, clauses)
+    if found is None:
         return None
-    fixed, left = propagated
+    fixed, left = found
     owners += [0] * (len(clauses) - len(owners))
-    others = [clause for i, clause in left.items() if not owners[i] or owners[i] in fixed]
-    modules = Splitter(dict(_open_gates(ground, fixed)), others, size).modules()
-    return Residue(modules.size, fixed, modules, components(modules.left), weight, rest)
+    others = tuple(clause for i, clause in left.items() if not owners[i] or owners[i] in fixed)
+    return Propagated(size, fixed, others, weight, rest)
+
+
+def residue(ground: Ground, known: Propagated) -> Residue:
+    """What is left of a program without cycles: modules, and the components that must be compiled."""
+    fixed = known.fixed
+    modules = Splitter(dict(_open_gates(ground, fixed)), known.others, known.size).modules()
+    return Residue(modules.size, fixed, modules, components(modules.left), known.log_weight, known.rest)
 
 
 def _open_gates(ground: Ground, fixed: dict[int, bool]) -> Iterator[tuple[int, tuple[int, ...]]]:

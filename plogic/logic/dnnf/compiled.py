@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 
 from plogic.base.errors import InconsistentError, LimitError
 from plogic.base.walk import by_key
-from plogic.logic.dnnf.cnf import Residue, residue
+from plogic.logic.dnnf.cnf import IMPOSSIBLE, Propagated, Residue, propagated, residue
 from plogic.logic.dnnf.nnf import AND, LITERAL, Nnf, nodes_under
 from plogic.logic.dnnf.nnf import FALSE as NEVER
 from plogic.logic.dnnf.nnf import TRUE as ALWAYS
@@ -161,9 +161,6 @@ def _level(nnf: Nnf, kind: int, gates: list[int], number: dict[int, int]) -> Lev
     )
 
 
-IMPOSSIBLE = "no world satisfies the evidence: its probability is 0"
-
-
 @dataclass(frozen=True)
 class Compiled:
     """A ground program, what its evidence fixes, and the circuit of the rest (None where nothing is left open).
@@ -237,14 +234,15 @@ class Compiled:
         return p / (p + q)
 
 
-def compiled(ground: Ground) -> Compiled:
-    """The program with its evidence compiled.
+def compiled(ground: Ground, known: Propagated | None = None) -> Compiled:
+    """The program with its evidence compiled; ``known``: what is known of it already.
 
     Raises InconsistentError where its probability is 0, LimitError where no compiler manages.
     """
-    left = residue(ground)
-    if left is None:
+    known = known or propagated(ground)
+    if known is None:
         raise InconsistentError(IMPOSSIBLE)
+    left = residue(ground, known)
     nnf = nnf_of(left)
     if nnf.root == NEVER:
         raise InconsistentError(IMPOSSIBLE)

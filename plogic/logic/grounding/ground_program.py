@@ -84,7 +84,8 @@ class Ground:
 
     ``size``: number of variables; ``gates``: derived variable → its gate; ``asked``: name and literal of each query, in
     the order of the program; ``observed``: literals that the evidence makes true. Variables in neither ``gates`` nor
-    ``alternatives`` are free: they weigh 1 either way.
+    ``alternatives`` are free: they weigh 1 either way. ``cyclic``: some gates depend on themselves, and
+    mean the least fixed point; else children have smaller numbers than their parents.
     """
 
     size: int
@@ -92,6 +93,7 @@ class Ground:
     alternatives: tuple[Alternative, ...]
     asked: tuple[tuple[Term, Literal], ...]
     observed: tuple[int, ...]
+    cyclic: bool = False
 
 
 class NamedFormula(LogicFormula):  # type: ignore[misc]
@@ -111,15 +113,15 @@ class NamedFormula(LogicFormula):  # type: ignore[misc]
         super().add_name(name, key, label, keep_name=keep_name or choice)
 
 
-def ground_of(formula: LogicFormula) -> Ground:
-    """What the queries and the evidence of ProbLog's formula depend on.
+def ground_of(formula: LogicFormula, *, cyclic: bool = False) -> Ground:
+    """What the queries and the evidence of ProbLog's formula depend on; its cycles are broken, unless ``cyclic``.
 
     Raises ProbLog's InconsistentEvidenceError where evidence is a constant that contradicts it, InvalidValue for labels
     that are no probabilities.
     """
     observed = [(name, key if sign > 0 else formula.negate(key)) for name, key, sign in formula.evidence_all() if sign]
     asked = [(name, key) for name, key, _ in formula.labeled()]
-    found = ground_from(lambda i: _converted(formula, i), asked, observed)
+    found = ground_from(lambda i: _converted(formula, i), asked, observed, cyclic=cyclic)
     if found is None:
         dag = LogicDAG.create_from(formula)
         dag._database = formula.database  # noqa: SLF001 - it tells where labels stand
@@ -128,15 +130,22 @@ def ground_of(formula: LogicFormula) -> Ground:
 
 
 def ground_from(
-    node: Callable[[int], Node], asked: Iterable[tuple[Term, Literal]], observed: Iterable[tuple[Any, Literal]]
+    node: Callable[[int], Node],
+    asked: Iterable[tuple[Term, Literal]],
+    observed: Iterable[tuple[Any, Literal]],
+    *,
+    cyclic: bool = False,
 ) -> Ground | None:
-    """The nodes under what is asked and observed, numbered anew, children before parents; None if they are cyclic."""
+    """The nodes under what is asked and observed, numbered anew, children before parents.
+
+    None if they are cyclic and may not be.
+    """
     asked, observed = list(asked), list(observed)
     impossible = next((name for name, literal in observed if literal is FALSE), None)
     if impossible is not None:
         raise InconsistentEvidenceError(source=f"evidence({impossible})")
-    nodes = _children_first(node, [abs(literal) for _, literal in (*asked, *observed) if literal])
-    if nodes is None:
+    nodes, cycles = _children_first(node, [abs(literal) for _, literal in (*asked, *observed) if literal])
+    if cycles and not cyclic:
         return None
     number = {old: new for new, old in enumerate(nodes, start=1)}
 
@@ -151,12 +160,18 @@ def ground_from(
     choices = [(number[i], n) for i, n in nodes.items() if isinstance(n, Choice)]
     evidence = tuple(dict.fromkeys(lit for lit in (literal_of(key) for _, key in observed) if lit))
     return Ground(
-        len(nodes), gates, _alternatives(choices), tuple((name, literal_of(key)) for name, key in asked), evidence
+        len(nodes),
+        gates,
+        _alternatives(choices),
+        tuple((name, literal_of(key)) for name, key in asked),
+        evidence,
+        cycles,
     )
 
 
-def _children_first(node: Callable[[int], Node], roots: Iterable[int]) -> dict[int, Node] | None:
-    """The nodes under the roots, children first, ties in the order of the roots; None if they are cyclic."""
+def _children_first(node: Callable[[int], Node], roots: Iterable[int]) -> tuple[dict[int, Node], bool]:
+    """The nodes under the roots, children first, ties in the order of the roots; and whether they are cyclic."""
+    cyclic = False
     done: dict[int, Node] = {}
     open_: dict[int, Node] = {}
     for root in roots:
@@ -171,10 +186,9 @@ def _children_first(node: Callable[[int], Node], roots: Iterable[int]) -> dict[i
             else:
                 content = open_[top] = node(top)
                 children = [abs(c) for c in content.children if c] if isinstance(content, Gate) else []
-                if any(child in open_ for child in children):
-                    return None
-                stack.extend(child for child in reversed(children) if child not in done)
-    return done
+                cyclic = cyclic or any(child in open_ for child in children)
+                stack.extend(child for child in reversed(children) if child not in done and child not in open_)
+    return done, cyclic
 
 
 def gate_of(content: Any) -> Gate | None:  # noqa: ANN401 - a node of ProbLog's

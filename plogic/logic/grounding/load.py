@@ -154,15 +154,15 @@ def variables(goal: Any) -> list[str]:  # noqa: ANN401 - terms of ProbLog's
     return list(dict.fromkeys(name for argument in goal.args for name in variables(argument)))
 
 
-def ground(request: Request) -> Ground:
-    """The ground program.
+def ground(request: Request, *, cyclic: bool = False) -> Ground:
+    """The ground program; its cycles are broken, unless ``cyclic``.
 
     Raises ProgramError, and InconsistentError where evidence is a constant that contradicts it.
     """
     if not request.trust:
         with contextlib.suppress(UnsupportedError, RecursionError, ProbLogError):
             return quickly(request)
-    return by_problog(request)
+    return by_problog(request, cyclic=cyclic)
 
 
 def quickly(request: Request) -> Ground:
@@ -209,21 +209,21 @@ def _seen(grounder: Grounder, goal: Any, *, holds: bool) -> list[tuple[Any, Lite
     return [(name, negated(literal)) for name, literal in found]
 
 
-def by_problog(request: Request) -> Ground:
+def by_problog(request: Request, *, cyclic: bool = False) -> Ground:
     """By ProbLog's engine; its errors become ours, with the place that it tells.
 
     Where it fails, once more with the evidence propagated while it grounds, as ProbLog's command line does: what the
     evidence rules out is then not grounded, and cannot fail. The probabilities are the same.
     """
     try:
-        return _by_problog(request, propagate=False)
+        return _by_problog(request, propagate=False, cyclic=cyclic)
     except MENDED as error:
         with contextlib.suppress(Exception):
-            return _by_problog(request, propagate=True)
+            return _by_problog(request, propagate=True, cyclic=cyclic)
         raise error from None
 
 
-def _by_problog(request: Request, *, propagate: bool) -> Ground:
+def _by_problog(request: Request, *, propagate: bool, cyclic: bool) -> Ground:
     engine, db = engine_for(trust=request.trust, folder=request.folder)
     for i, source in enumerate(request.sources):
         lines = source.program.line_info[0]
@@ -239,6 +239,6 @@ def _by_problog(request: Request, *, propagate: bool) -> Ground:
         formula = engine.ground_all(
             db, NamedFormula(db), queries=[head for head, _ in request.goals] or None, propagate_evidence=propagate
         )
-        return ground_of(formula)
+        return ground_of(formula, cyclic=cyclic)
     except Exception as error:  # noqa: BLE001 - ProbLog raises what Python raises, too
         told(error, [{"text": source.text, "file": source.file} for source in request.sources], db)

@@ -11,7 +11,8 @@ from problog.formula import LogicDAG
 from problog.logic import Constant, Term
 
 from plogic.base.errors import InconsistentError, NegativeCycleError
-from plogic.logic.dnnf.compiled import IMPOSSIBLE, Compiled, compiled
+from plogic.logic.dnnf.cnf import IMPOSSIBLE
+from plogic.logic.dnnf.compiled import Compiled, compiled
 from plogic.logic.grounding.ground_program import Choice as Share
 from plogic.logic.grounding.ground_program import Gate, Ground, Literal, gate_of, ground_from, share_of
 from plogic.logic.proof.cone import Choice, Cone, Selection, Steps

@@ -86,9 +86,13 @@ def serve(request: dict[str, Any], tell: Tell | None = None) -> dict[str, Any]:
             from plogic.logic.served.goal_formulas import formulas
 
             return formulas(request)
-    from plogic.logic.answers.answer import answers_by, answers_to
+    if request.get("anytime") and tell:
+        from plogic.logic.answers.intervals import answers_by
 
-    return answers_by(request, tell) if request.get("anytime") and tell else {"answers": answers_to(request)}
+        return answers_by(request, tell)
+    from plogic.logic.answers.answer import answers_to
+
+    return {"answers": answers_to(request)}
 
 
 if __name__ == "__main__":

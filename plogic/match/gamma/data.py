@@ -1,7 +1,7 @@
 """Γ as arrays: what the search works on, in an ideal image without distortion.
 
-Vocabulary: ``Data``, A appearances; *ideal pixels*, the pinhole image of focal length f with the principal point at the
-image's centre.
+Vocabulary: ``Data``, A appearances; *ideal pixels*, the pinhole image of focal length f with the camera's own principal
+point.
 
 * ``project_ideal(poses, points, data)``: thousands of posed clouds at once, in ideal pixels
 * ``blocks(20_000, 20_000)``: a large table in slices of 52 rows, so that memory is bounded, and the time can be asked
@@ -159,8 +159,8 @@ class Data:
 
 
 def centre_of(camera: Camera) -> Floats:
-    """Centre (2,) of the ideal image, pixels."""
-    return np.array([(camera.width - 1) / 2.0, (camera.height - 1) / 2.0])
+    """The principal point (2,) of the ideal image, pixels: the camera's own, so that a crop shows what it showed."""
+    return np.asarray(camera.K[:2, 2])
 
 
 def ideal_camera(camera: Camera) -> Camera:

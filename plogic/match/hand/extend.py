@@ -7,10 +7,11 @@ import numpy as np
 from geometry.arrays import Floats, Indices, Mask
 from geometry.poses.refine import Steps, refined_poses
 from plogic.match.gamma.data import Columns, Data, centre_of, viewpoints_of
+from plogic.match.hand.distance_maps import DistanceMaps
 from plogic.match.hand.place_index import PlaceIndex
 from plogic.match.hand.place_votes import turn_z_to
-from plogic.match.hand.view_cells import DistanceMaps
 from plogic.match.judged.expectation import FEWEST
+from plogic.match.judged.rivals import EVEN
 
 ROUNDS = ((0.06, 1.0), (0.035, 0.6), (0.02, 0.4), (0.0, 0.4))
 """Of the successive rounds, the match tolerance in projected diameters (never below the detector's own), and the share
@@ -72,7 +73,7 @@ def extend(index: PlaceIndex, start: Candidates, maps: DistanceMaps, data: Data,
         poses = refined(index, found.kind, found.poses, matches, data)
         seen = shown(index, found.kind, poses, data)
         found = Candidates(found.kind, poses, matches, worth(seen, matches, index.values[found.kind], maps))
-        best = np.argsort(-found.worth, kind="stable")[: round(share * len(start.kind)) or 1]
+        best = np.argsort(-np.round(found.worth, EVEN), kind="stable")[: round(share * len(start.kind)) or 1]
         found, seen = found.take(best), seen.take(best)
     return found
 

@@ -9,10 +9,10 @@ import numpy as np
 from geometry.poses.refine import refined_poses
 from plogic.base.clock import unhurried
 from plogic.match.gamma.data import Data, project_ideal
+from plogic.match.hand.distance_maps import DistanceMaps, Drawn
 from plogic.match.hand.extend import Candidates, extend, firsts
 from plogic.match.hand.links import linked_poses
 from plogic.match.hand.place_votes import Coarse, coarse_poses, pose_votes
-from plogic.match.hand.view_cells import DistanceMaps, distance_maps
 from plogic.match.judged.evidence import evidence
 from plogic.match.judged.expectation import FEWEST, matched, pose_of
 from plogic.match.judged.rivals import apart, distinct, same_place
@@ -20,7 +20,7 @@ from plogic.match.judged.rivals import apart, distinct, same_place
 if TYPE_CHECKING:
     from collections.abc import Callable
 
-    from geometry.arrays import Floats, Mask
+    from geometry.arrays import Floats, Indices, Mask
     from kb.clouds.cloud import KnowledgeBase
     from plogic.facts.hypothesis import Hypothesis
     from plogic.match.hand.hand_models import TypeIndex
@@ -62,20 +62,21 @@ def generate(
     *,
     coarse: Coarse | None = None,
     width: Width | None = None,
+    drawn: Drawn | None = None,
     check: Callable[[], None] = unhurried,
 ) -> dict[str, Found]:
     """The best distinct poses of all types, by type, as (log-likelihood ratio against clutter, hypothesis), best first.
 
     ``covered`` (H, W): where accepted opaque objects stand in the ideal image. ``coarse``: poses of triples of more
-    data, these among them. ``width``: how many poses go on, by default as is usual. ``check`` is called between stages,
-    and between blocks of what grows with Γ, and may raise to end the search.
+    data, these among them. ``width``: how many poses go on, by default as is usual. ``drawn``: maps of the same Γ.
+    ``check`` is called between stages, and between blocks of what grows with Γ, and may raise to end the search.
     """
     check()
     result: dict[str, Found] = {each.object_type.name: [] for each in index.indices}
     allowed = index.allowed(data)
     if len(data.ids) < FEWEST or not allowed.any():
         return result
-    maps = distance_maps(allowed, data, covered, check)
+    maps = (drawn or Drawn(data.whole)).maps(allowed, data, covered, check)
     width = width or usual(len(index.indices))
     start = _apart(
         index, data, maps, coarse or coarse_poses(index, data, maps, width.votes, check), width.refined, check
@@ -90,19 +91,43 @@ def generate(
     return result | {kind: distinct(some, some[0][1].object_type) for kind, some in scored.items() if some}
 
 
-def of_triples(index: PlaceIndex, data: Data, check: Callable[[], None] = unhurried) -> Coarse:
-    """The coarse poses of all types that triples of the data vote for."""
-    maps = distance_maps(index.allowed(data), data, None, check)
+def of_triples(index: PlaceIndex, data: Data, drawn: Drawn, check: Callable[[], None] = unhurried) -> Coarse:
+    """The coarse poses of all types that triples of the data vote for; ``drawn``: maps of the same Γ."""
+    maps = drawn.maps(index.allowed(data), data, None, check)
     return coarse_poses(index, data, maps, usual(len(index.indices)).votes, check)
+
+
+def best_votes(
+    index: PlaceIndex,
+    data: Data,
+    coarse: Coarse,
+    covered: Mask | None,
+    drawn: Drawn,
+    check: Callable[[], None] = unhurried,
+) -> Floats:
+    """(T,) the most votes of a coarse pose of each type in some data; −∞ of none."""
+    best = np.full(len(index.indices), -np.inf)
+    if len(data.ids):
+        maps = drawn.maps(index.allowed(data), data, covered, check)
+        kind, poses = _coarse(index, data, maps, coarse, check)
+        np.maximum.at(best, kind, pose_votes(index, data, maps, kind, poses))
+    return best
+
+
+def _coarse(
+    index: PlaceIndex, data: Data, maps: DistanceMaps, triples: Coarse, check: Callable[[], None]
+) -> tuple[Indices, Floats]:
+    """Types (N,) and coarse poses (N, 4, 4): of triples, and of links where junctions have arms."""
+    kinds, linked = linked_poses(index, data, maps, LINKED, check)
+    check()
+    return np.concatenate([triples.kind, kinds]), np.concatenate([triples.poses.astype(float), linked])
 
 
 def _apart(
     index: PlaceIndex, data: Data, maps: DistanceMaps, triples: Coarse, most: int, check: Callable[[], None]
 ) -> Candidates:
-    """The best coarse poses of all types, no two alike: of triples, and of links where junctions have arms."""
-    kinds, linked = linked_poses(index, data, maps, LINKED, check)
-    kind, poses = np.concatenate([triples.kind, kinds]), np.concatenate([triples.poses.astype(float), linked])
-    check()
+    """The best coarse poses of all types, no two alike."""
+    kind, poses = _coarse(index, data, maps, triples, check)
     worth = pose_votes(index, data, maps, kind, poses).astype(float)
     middles = np.einsum("nij,nj->ni", poses[:, :3, :3], index.centres[kind]) + poses[:, :3, 3]
     some = apart(poses, middles, worth, most, ALIKE, kind)

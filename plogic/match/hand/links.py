@@ -19,10 +19,11 @@ from geometry.arrays import Floats, Indices, Mask
 from plogic.base.clock import unhurried
 from plogic.match.gamma.data import Columns, Data, blocks
 from plogic.match.gamma.grid import wrapped
+from plogic.match.hand.distance_maps import DistanceMaps
 from plogic.match.hand.extend import poses_about
 from plogic.match.hand.place_index import PlaceIndex
 from plogic.match.hand.place_votes import LARGEST, SMALLEST
-from plogic.match.hand.view_cells import ALL, LOOSE, DistanceMaps, ViewCells
+from plogic.match.hand.view_cells import ALL, LOOSE, ViewCells
 
 if TYPE_CHECKING:
     from plogic.match.hand.hand_models import TypeIndex

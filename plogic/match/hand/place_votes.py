@@ -9,7 +9,7 @@ whose view cell shows the three, and the other features vote.
 * ``coarse_poses(index, data, ...)``: the best of them by votes
 """
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from itertools import combinations
 from typing import NamedTuple
@@ -21,8 +21,8 @@ from geometry.arrays import Floats, Indices, Mask, lengths
 from plogic.base.clock import unhurried
 from plogic.match.gamma.data import Columns, Data, blocks, centre_of, viewpoints_of
 from plogic.match.gamma.grid import taken
+from plogic.match.hand.distance_maps import DistanceMaps
 from plogic.match.hand.place_index import FLAT, PROBES, PlaceIndex, Triples
-from plogic.match.hand.view_cells import DistanceMaps
 
 Singles = NDArray[np.float32]
 
@@ -50,15 +50,17 @@ MISSED = np.float32(0.4)
 
 
 class Coarse(NamedTuple):
-    """``kind`` (N,) types; ``poses`` (N, 4, 4) camera_from_object, the best by votes first.
-
-    ``among``: of how many data they are; ``whole``: whether all pairs of triples were looked at.
-    """
+    """``kind`` (N,) types; ``poses`` (N, 4, 4) camera_from_object, the best by votes first."""
 
     kind: Indices
     poses: Singles
-    among: int
-    whole: bool
+
+    def of(self, kinds: Sequence[int]) -> "Coarse":
+        """Those of some types, by number, which are numbered in this order."""
+        number = np.full(int(max(self.kind.max(initial=0), *kinds)) + 1, -1)
+        number[list(kinds)] = np.arange(len(kinds))
+        some = np.flatnonzero(number[self.kind] >= 0)
+        return Coarse(number[self.kind[some]], self.poses[some])
 
 
 @dataclass(frozen=True)
@@ -155,7 +157,7 @@ def coarse_poses(
         )
         best = _Voted.joined([best, found])
         best = best.take(np.argsort(-best.votes, kind="stable")[:most])
-    return Coarse(best.kind, best.poses, len(data.ids), len(some) == len(low))
+    return Coarse(best.kind, best.poses)
 
 
 def _rarest(count: Indices, most: int) -> Indices:

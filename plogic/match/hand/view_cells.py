@@ -1,28 +1,19 @@
-"""View cells, what one type looks like from each of a set of directions, and maps that poses are voted for by.
+"""View cells: what one type looks like from each of a set of directions.
 
 A cell is a viewpoint direction in the object's frame, computed once a type. Features that are visible in one cell have
 lobes that contain one common viewpoint, so that sets taken inside a cell are co-visible by construction (*convergence*,
 §6.3). A vote says how many distinctive features of a coarse pose find an appearance of a right type near their place.
-Typed distance maps answer that for all poses at once: one map for each set of appearance types that some feature has.
 
 * ``view_cells(object_type)``: the cells of a type
-* ``distance_maps``: how far each place of the image is from a datum of a right type
 """
 
-from collections.abc import Callable
 from dataclasses import dataclass
-from functools import cached_property
-from typing import Any
 
-import cv2
 import numpy as np
-from numpy.typing import NDArray
 
 from geometry.arrays import Floats, Indices, Mask
 from kb.clouds.cloud import ObjectType
 from kb.clouds.lobes import feature_in_lobe
-from plogic.base.clock import unhurried
-from plogic.match.gamma.data import Data
 
 CELLS = 162
 """Directions on the sphere: neighbours are about 15° apart, so that a true viewpoint is mostly within 9° of a cell
@@ -136,95 +127,3 @@ def _behind_itself(object_type: ObjectType, viewpoints: Floats, points: Floats, 
 ALL = slice(None)
 LOOSE = 0.10
 """Tolerance of a vote, in projected diameters: what a cell's width and the missing perspective may move a feature."""
-
-
-@dataclass(frozen=True)
-class DistanceMaps:
-    """For each map, the distance in pixels to the nearest datum (H, W) and that datum's index (H, W).
-
-    ``of_set`` (S,) picks the map of each set of looks.
-
-    ``covered`` (H, W): where an accepted opaque object stands, so that a feature there may well be hidden.
-    """
-
-    distance: NDArray[np.float32]
-    nearest: NDArray[np.int32]
-    of_set: Indices
-    covered: Mask
-
-    def look_up(self, places: NDArray[Any], sets: Indices) -> tuple[NDArray[Any], Indices]:
-        """Distance (..., F) and nearest datum (..., F) of ``places`` (..., F, 2) in ideal pixels.
-
-        ``sets`` (..., F): as what they look. Outside the image, infinity and −1.
-        """
-        pixel, inside = _pixel(places, self.covered.shape)
-        index = pixel + self.of_set[sets] * self.covered.size  # all maps are one after the other
-        return np.where(inside, self.distance.ravel()[index], np.inf), np.where(inside, self.nearest.ravel()[index], -1)
-
-    def seen_at(self, places: NDArray[Any], sets: Indices) -> tuple[NDArray[Any], Mask]:
-        """The distances alone, and whether an accepted object stands at the places."""
-        pixel, inside = _pixel(places, self.covered.shape)
-        index = pixel + self.of_set[sets] * self.covered.size
-        distance = np.where(inside, self.distance.ravel()[index], np.float32(np.inf))
-        return distance, np.asarray(inside & self.covered.ravel()[pixel]) if self.anything else np.zeros_like(inside)
-
-    def is_covered(self, places: NDArray[Any]) -> Mask:
-        """Whether an accepted object stands at each place (..., 2) of the image and may hide a feature there."""
-        return covered_at(self.covered, places) if self.anything else np.zeros(places.shape[:-1], bool)
-
-    @cached_property
-    def anything(self) -> bool:
-        """Whether any place is covered."""
-        return bool(self.covered.any())
-
-
-def covered_at(covered: Mask, places: NDArray[Any]) -> Mask:
-    """Whether a mask (H, W) of the ideal image holds at places (..., 2)."""
-    index, inside = _pixel(places, covered.shape)
-    return np.asarray(inside & covered.ravel()[index])
-
-
-def _pixel(places: NDArray[Any], shape: tuple[int, ...]) -> tuple[Indices, Mask]:
-    """Flat index of the pixel of each place (0 outside), and whether it is inside an image of ``shape`` (H, W)."""
-    height, width = shape
-    column, row = np.rint(places[..., 0]), np.rint(places[..., 1])
-    inside = (column >= 0) & (row >= 0) & (column < width) & (row < height)
-    return np.where(inside, row * width + column, 0).astype(np.intp), inside
-
-
-def distance_maps(
-    allowed: Mask,
-    data: Data,
-    covered: Mask | None = None,
-    check: Callable[[], None] = unhurried,
-) -> DistanceMaps:
-    """One map for each distinct row of ``allowed`` (S, A), the data that look as of one set.
-
-    A row without a datum gives a map of infinities.
-
-    ``check`` is called before each, and may raise to end it.
-    """
-    rows, of_set = np.unique(allowed, axis=0, return_inverse=True)
-    shape = (data.camera.height, data.camera.width)
-    distance, nearest = np.full((len(rows), *shape), np.inf, np.float32), np.full((len(rows), *shape), -1, np.int32)
-    for row, far, who in zip(rows, distance, nearest, strict=True):
-        check()
-        _draw_map(np.flatnonzero(row), data.ideal, far, who)
-    nothing = np.zeros(shape, dtype=bool) if covered is None else covered
-    return DistanceMaps(distance, nearest, of_set.reshape(-1), nothing)
-
-
-def _draw_map(members: Indices, places: Floats, distance: NDArray[np.float32], nearest: NDArray[np.int32]) -> None:
-    """Write one map (H, W) over ``distance`` and ``nearest``; where no datum is inside, they stay."""
-    pixels = np.rint(places[members])
-    # of what the lens images nowhere, False
-    inside = (pixels >= 0).all(axis=1) & (pixels < distance.shape[::-1]).all(axis=1)
-    members, pixels = members[inside], pixels[inside].astype(int)
-    if not len(members):
-        return
-    free = np.full(distance.shape, 255, dtype=np.uint8)
-    free[pixels[:, 1], pixels[:, 0]] = 0
-    _, label = cv2.distanceTransformWithLabels(free, cv2.DIST_L2, 5, distance, nearest, cv2.DIST_LABEL_PIXEL)
-    owner = np.full(int(label.max()) + 1, -1, dtype=np.int32)
-    owner[label[pixels[:, 1], pixels[:, 0]]] = members
-    nearest[:] = owner[label]

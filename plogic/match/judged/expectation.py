@@ -15,7 +15,7 @@ from scipy.optimize import linear_sum_assignment
 from geometry.arrays import Floats, Indices, Mask, lengths
 from geometry.camera import Camera
 from geometry.frames import inverse, transform_points
-from geometry.poses.refine import Sight, refine_sights, refined_poses
+from geometry.poses.refine import USUAL, Sight, Steps, refine_sights, refined_poses
 from geometry.visibility.rays import behind
 from kb.clouds.cloud import KnowledgeBase, ObjectType
 from kb.clouds.lobes import LobeTable, in_lobe
@@ -241,11 +241,12 @@ def polished(
     hidden: Mask | None,
     robust: float,
     sigma: float = 1.0,
+    steps: Steps = USUAL,
 ) -> Floats | None:
     """Least squares (4, 4) on the expected features that were detected, or None where they are fewer than ``FEWEST``.
 
     ``points`` (F, 3) m, object frame; ``precision`` (F,) 1/pixel², or in any unit, that of ``sigma`` pixels; a residual
-    beyond ``robust`` pixels weighs less. Depths count where data have them.
+    beyond ``robust`` pixels weighs less. In so many ``steps``. Depths count where data have them.
     """
     used = posed.expected(hidden) & posed.detected
     if used.sum() < FEWEST:
@@ -258,6 +259,7 @@ def polished(
         seen.uv[None],
         seen.weights[None],
         data.camera,
+        steps,
         huber=robust,
         across=None if across is None else across[None],
     )[0]

@@ -44,10 +44,14 @@ def same_place(object_type: ObjectType, one: Floats, other: Floats) -> bool:
     return bool(rotation < SAME_ROTATION and translation < SAME_PLACE * distance)
 
 
+EVEN = 6
+"""Decimals of evidence to which equal hypotheses, as of a symmetric body, are equal: the first of them counts."""
+
+
 def distinct(scored: Iterable[tuple[float, Hypothesis]], object_type: ObjectType) -> list[tuple[float, Hypothesis]]:
     """The best of each heap of near-duplicates (§8), best first."""
     kept: list[tuple[float, Hypothesis]] = []
-    for worth, posed in sorted(scored, key=lambda pair: -pair[0]):
+    for worth, posed in sorted(scored, key=lambda pair: -round(pair[0], EVEN)):
         if not any(same_place(object_type, posed.camera_from_object, old.camera_from_object) for _, old in kept):
             kept.append((worth, posed))
     return kept
@@ -186,6 +190,12 @@ def shared_claims(one: Hypothesis, other: Hypothesis) -> tuple[set[int], float]:
 def excludes(one: Hypothesis, other: Hypothesis) -> bool:
     """Whether no world holds both: A4, or they explain the same data."""
     return overlap(one, other) or shared_claims(one, other)[1] > SHARED_CLAIMS
+
+
+def in_the_way(one: Hypothesis, other: Hypothesis) -> bool:
+    """Whether it stands in the place of another, by what excludes both, or hides most of what that shows."""
+    shown = one.candidate
+    return excludes(one, other) or bool((hidden_by(one, other) & shown).sum() > SHARED_CLAIMS * max(1, shown.sum()))
 
 
 DEEP = 0.001

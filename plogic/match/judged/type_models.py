@@ -149,8 +149,16 @@ class TypeModel(Protocol):
 class Search(Protocol):
     """The search for all types of one kind in one Γ, again and again, as more of it is claimed."""
 
-    keeps: ClassVar[bool] = False
-    """Whether hypotheses found before are accepted, if they can be, before it is asked again."""
+    at_once: ClassVar[int | None] = None
+    """How many types are best asked together; None: all."""
+
+    def votes(self) -> Mapping[str, float]:
+        """How well at best a pose of each type is voted for by all of Γ, where that is known before a search."""
+        return {}
+
+    def promising(self, names: Sequence[str], left: Data, given: Given) -> Sequence[str]:  # noqa: ARG002 - a kind may have more to say
+        """Those of some types that the free data vote for: of others no hypothesis is sought in them."""
+        return names
 
     def propose(self, names: Sequence[str], left: Data, given: Given) -> Generator[Found]:
         """The hypotheses of each named type that the free data suggest, with their log-likelihood ratios, best first.

@@ -6,7 +6,7 @@
 """
 
 from collections import Counter
-from collections.abc import Callable, Generator, Mapping, Sequence
+from collections.abc import Callable, Generator, Iterable, Mapping, Sequence
 from contextlib import closing
 from dataclasses import dataclass, field, fields
 from functools import cached_property
@@ -29,7 +29,7 @@ from plogic.match.judged.type_models import SURE, Found, Given, Ranks, Request, 
 from plogic.match.learned.agreement import Lobes, lobes_of
 from plogic.match.learned.keypoints import Lexicon, lexicon_of
 from plogic.match.learned.learned_match import ROBUST, matched, pose_of, precision
-from plogic.match.learned.learned_poses import NOBODY, REFINED, generate, resting
+from plogic.match.learned.learned_poses import NOBODY, REFINED, Voted, generate, resting, voted
 from plogic.measures.distinctiveness import Kinds, kinds_of, rank_of_kinds
 
 
@@ -177,6 +177,12 @@ def learned_index(object_type: ObjectType, dv: Mapping[str, float], lexicon: Lex
     )
 
 
+def ask(indices: Iterable[LearnedIndex], data: Data) -> None:
+    """Find what all types ask of Γ, before copies of this process are made."""
+    for lexicon in {id(index.lexicon): index.lexicon for index in indices}.values():
+        lexicon.ask(data)
+
+
 _SAID = tuple(field.name for field in fields(Hypothesis) if field.name != "known_type")
 
 
@@ -189,8 +195,7 @@ def searched(
     before copies are made.
     """
     if processes > 1:
-        for lexicon in {id(index.lexicon): index.lexicon for index in indices}.values():
-            lexicon.ask(data)
+        ask(indices, data)
 
     def said(index: LearnedIndex) -> list[tuple[float, list[Any]]]:
         return [(ratio, [getattr(posed, name) for name in _SAID]) for ratio, posed in search(index)]
@@ -222,7 +227,7 @@ class LearnedModels(TypeModels):
 
     def search(self, request: Request) -> Search:
         """The search in one Γ, by this process and copies of it."""
-        return LearnedSearch(self.models, request.kb, request.processes)
+        return LearnedSearch(self.models, request)
 
     def resting(self, plane: Plane, left: Data, given: Given, request: Request) -> Generator[Found]:
         """The hypotheses of each type that stand on a plane."""
@@ -246,28 +251,45 @@ class LearnedSearch(Search):
     """
 
     models: Mapping[str, LearnedIndex]
-    kb: KnowledgeBase
-    processes: int
+    request: Request
     _searched: dict[str, int] = field(default_factory=dict)
 
-    def propose(self, names: Sequence[str], left: Data, given: Given) -> Generator[Found]:
-        """The hypotheses of each type.
+    @cached_property
+    def _voted(self) -> dict[str, Voted]:
+        """What all of Γ votes for, of each type."""
+        data, found = self.request.data, dict[str, Voted]()
+        ask(self.models.values(), data)
+        with closing(
+            each(lambda index: voted(index, data), list(self.models.values()), self.request.processes)
+        ) as some:
+            for name, one in zip(self.models, some, strict=True):
+                self.request.check()
+                found[name] = one
+        return found
 
-        None of one of which nothing was accepted since it was searched for, for all of its poses were told then.
-        """
+    def votes(self) -> dict[str, float]:
+        """The votes of the pairs of a type for its best pose."""
+        return {name: float(of.votes.max(initial=0.0)) for name, of in self._voted.items()}
+
+    def promising(self, names: Sequence[str], left: Data, given: Given) -> list[str]:  # noqa: ARG002 - all was asked before
+        """Those not searched for yet, or since one was accepted: all poses of the others were told then."""
+        return [name for name in names if self._searched.get(name) != given.count(name)]
+
+    def propose(self, names: Sequence[str], left: Data, given: Given) -> Generator[Found]:
+        """The hypotheses of each type."""
         taken = bodies(self.models, given.accepted)
-        expected = [name for name in names if self._searched.get(name) != given.count(name)]
+        whole = len(left.ids) == len(self.request.data.ids)
 
         def search(index: LearnedIndex) -> Found:
-            most = AGAIN if index.object_type.name in self._searched else REFINED
-            return generate(index, left, self.kb, taken, refined=most)
+            name = index.object_type.name
+            most = AGAIN if name in self._searched else REFINED
+            return generate(
+                index, left, self.request.kb, taken, refined=most, of=self._voted.get(name) if whole else None
+            )
 
-        with closing(searched(search, [self.models[name] for name in expected], left, self.processes)) as searches:
-            for name in names:
-                if name not in expected:
-                    yield []
-                    continue
-                found = next(searches)
+        indices = [self.models[name] for name in names]
+        with closing(searched(search, indices, left, self.request.processes)) as searches:
+            for name, found in zip(names, searches, strict=True):
                 given.seen(found)
                 yield found
                 self._searched[name] = given.count(name)

@@ -9,7 +9,7 @@ touches it. What is left is its place and its turn on the plane, which few data 
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
@@ -47,6 +47,21 @@ WORTHLESS = 12.0
 (``benchmarks/learned_spreads.py``)."""
 
 
+class Voted(NamedTuple):
+    """Poses (N, 4, 4), one for each of the surest of ``pairs``, with the votes (N,) of all pairs."""
+
+    pairs: Pairs
+    poses: Floats
+    votes: Floats
+
+
+def voted(index: LearnedIndex, data: Data) -> Voted:
+    """What the pairs of a type in some data vote for."""
+    pairs = pairs_of(index, data)
+    poses = single_poses(index, pairs.take(slice(SEEDS)), data) if len(pairs) >= FEWEST else np.zeros((0, 4, 4))
+    return Voted(pairs, poses, _votes(index, poses, pairs, data, VOTE) if len(poses) else np.zeros(0))
+
+
 def generate(
     index: LearnedIndex,
     data: Data,
@@ -55,16 +70,17 @@ def generate(
     *,
     refined: int = REFINED,
     verified: int = VERIFIED,
+    of: Voted | None = None,
 ) -> list[tuple[float, Hypothesis]]:
     """The settled poses with their log-likelihood ratios, best first.
 
-    ``refined``, ``verified``: how many poses go that far.
+    ``refined``, ``verified``: how many poses go that far; ``of``: what the data vote for, where that is known.
 
     ``taken`` (N, 4): middles, camera frame, and inner radii of bodies that are there already, m: poses that overlap
     them (A4) are not looked at.
     """
     thin = verified <= VERIFIED
-    poses, worth = proposed(index, data, kb, refined, verified, taken, thin=thin)
+    poses, worth = proposed(index, data, kb, refined, verified, taken, thin=thin, of=of)
     poses = poses[worth >= WORTHLESS] if thin else poses
     return settled_best(index, poses[clear_of(taken, index, poses)], data, kb, verified)
 
@@ -95,6 +111,7 @@ def proposed(
     taken: Floats = NOBODY,
     *,
     thin: bool = True,
+    of: Voted | None = None,
 ) -> tuple[Floats, Floats]:
     """Poses (N, 4, 4), refined but not settled, with their worth (N,), best first; ``most``: so many are.
 
@@ -102,13 +119,12 @@ def proposed(
     refined.
     """
     nothing = np.zeros((0, 4, 4)), np.zeros(0)
-    pairs = pairs_of(index, data)
-    poses = single_poses(index, pairs.take(slice(SEEDS)), data) if len(pairs) >= FEWEST else nothing[0]
-    poses = poses[clear_of(taken, index, poses)]
-    if not len(poses):
+    pairs, poses, worth = of or voted(index, data)
+    clear = clear_of(taken, index, poses)
+    if not clear.any():
         return nothing
-    granularity = data.camera.f / kb.f_ref
-    best, worth = refined(index, _voted(index, poses, pairs, data, VOTE, most), pairs, data, granularity, thin=thin)
+    granularity, some = data.camera.f / kb.f_ref, _best(index, poses[clear], worth[clear], most)
+    best, worth = refined(index, some, pairs, data, granularity, thin=thin)
     if not len(best):
         return nothing
     some = best[:tried][worth[:tried] >= TILTED] if thin else best
@@ -122,11 +138,13 @@ def _enough(posed: Hypothesis) -> bool:
     return int((posed.candidate & posed.detected).sum()) >= FEWEST
 
 
-def _voted(
-    index: LearnedIndex, poses: Floats, pairs: Pairs, data: Data, within: tuple[float, float], most: int
-) -> Floats:
-    """The best of poses (N, 4, 4) by votes, no two alike; ``within``: a share of the diameter, and pixels."""
-    worth = votes(agreement(index, poses, pairs, data, *within), pairs)
+def _votes(index: LearnedIndex, poses: Floats, pairs: Pairs, data: Data, within: tuple[float, float]) -> Floats:
+    """(N,) of poses (N, 4, 4); ``within``: a share of the diameter, and pixels."""
+    return votes(agreement(index, poses, pairs, data, *within), pairs)
+
+
+def _best(index: LearnedIndex, poses: Floats, worth: Floats, most: int) -> Floats:
+    """The best of poses (N, 4, 4) by their votes, no two alike."""
     return poses[apart(poses, poses[:, :3, :3] @ index.centre + poses[:, :3, 3], worth, most, (TURNED, APART))]
 
 
@@ -188,7 +206,7 @@ def resting(
     poses = poses[clear_of(taken, index, poses)]
     if not len(poses):
         return []
-    some = _voted(index, poses, pairs, data, VOTE_RESTING, MOST_RESTING)
+    some = _best(index, poses, _votes(index, poses, pairs, data, VOTE_RESTING), MOST_RESTING)
     best, worth = refined(index, some, pairs, data, data.camera.f / kb.f_ref, rounds=ROUNDS_RESTING, moves=plane.moves)
     return settled_best(index, best[worth >= WORTHLESS], data, kb, VERIFIED_RESTING)
 

@@ -16,7 +16,7 @@ from functools import cache
 from importlib.metadata import version
 from itertools import accumulate
 from pathlib import Path
-from typing import Any, ClassVar, Self
+from typing import Any, Self
 
 import numpy as np
 from numpy.typing import NDArray
@@ -187,7 +187,6 @@ class OrientedSearch(Search):
     together: TogetherSearch
     models: Mapping[str, TypeIndex]
     kb: KnowledgeBase
-    keeps: ClassVar[bool] = True
 
     def propose(self, names: Sequence[str], left: Data, given: Given) -> Generator[Found]:
         """The hypotheses of each type: all are found before this returns."""

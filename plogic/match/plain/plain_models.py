@@ -112,6 +112,7 @@ class PlainSearch(Search):
     models: Mapping[str, TypeIndex]
     kb: KnowledgeBase
     check: Callable[[], None]
+    at_once: ClassVar[int | None] = 1
 
     def propose(self, names: Sequence[str], left: Data, given: Given) -> Generator[Found]:
         """The hypotheses of each type, verified by matching."""

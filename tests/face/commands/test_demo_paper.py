@@ -132,3 +132,15 @@ def test_the_eighth_corner_of_a_cuboid_lies_among_the_seven_that_are_seen(half, 
     hull = ConvexHull(uv[1:])
     assert (hull.equations @ np.append(uv[0], 1.0) <= 1e-9 * (1.0 + np.abs(uv).max())).all()
     assert Path(KB / "objects" / "t1" / "mesh.obj").read_text().count("\nv ") == 7
+
+
+def test_perceive_finds_both_towers_in_the_figures_gamma(shown):
+    """The Γ of a crop, whose principal point is far from its middle."""
+    _, folder = shown
+    done = CliRunner().invoke(cli, ["perceive", "--kb", "paper", str(folder / "gamma.json")], catch_exceptions=False)
+    found = json.loads(done.stdout)
+    told = json.loads((folder / "interpretation.json").read_text())
+    poses = {h["type"]: np.array(h["T_camera_object"]) for h in told["hypotheses"] if h["status"] == "accepted"}
+    accepted = {h["type"]: np.array(h["T_camera_object"]) for h in found["hypotheses"] if h["status"] == "accepted"}
+    assert accepted.keys() == poses.keys() == {"t1", "t2"}
+    assert accepted["t1"] == pytest.approx(poses["t1"], abs=0.05)

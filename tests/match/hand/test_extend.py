@@ -6,9 +6,9 @@ from synthetic import CAMERA, camera_pose, is_right, perceiver, scene
 
 from geometry.frames import from_rotation_translation, is_rigid, rotation_from_quat_xyzw, transform_points
 from plogic.match.gamma.data import data_of
+from plogic.match.hand.distance_maps import distance_maps
 from plogic.match.hand.extend import Candidates, extend, firsts, nearest, rigid, shown
 from plogic.match.hand.place_index import place_index
-from plogic.match.hand.view_cells import distance_maps
 
 TOLERANCE = 3.0
 

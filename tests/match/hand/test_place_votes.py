@@ -16,10 +16,10 @@ from benchmarks.places.types import places_kb
 from benchmarks.recognition.score import HALF, Found, errors_of
 from geometry.frames import from_rotation_translation, rotation_angle, rotation_from_quat_xyzw, transform_points
 from plogic.match.gamma.data import data_of
+from plogic.match.hand.distance_maps import distance_maps
 from plogic.match.hand.hand_models import type_index
 from plogic.match.hand.place_index import NEIGHBOURS, least_sets, neighbours, permutations, place_index
 from plogic.match.hand.place_votes import _poses, _rarest, coarse_poses, image_triples, turn_z_to
-from plogic.match.hand.view_cells import distance_maps
 from plogic.match.kinds import models_of
 from plogic.measures.distinctiveness import distinctiveness, instance_counts
 from sensing.appearance import Appearance

@@ -10,11 +10,11 @@ from hypothesis import strategies as st
 from synthetic import CAMERA, camera_pose, perceiver, scene
 
 from plogic.match.gamma.data import data_of, project_ideal, viewpoints_of
+from plogic.match.hand.distance_maps import distance_maps
 from plogic.match.hand.extend import shown
 from plogic.match.hand.links import Pairs, linked_pairs, places_of, votes
 from plogic.match.hand.place_index import place_index
 from plogic.match.hand.place_votes import MISSED, REACH, SHARP, pose_votes
-from plogic.match.hand.view_cells import distance_maps
 from sensing.appearance import Appearance
 
 PLACES = st.lists(st.tuples(st.integers(0, 639), st.integers(0, 479)), min_size=1, max_size=6, unique=True)
