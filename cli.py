@@ -169,8 +169,10 @@ def query(source: str, goal: str | None, given: tuple[str, ...], as_json: bool, 
 
 @cli.command()
 @SOURCE
-@click.argument("goal")
+@click.argument("goal", required=False)
 @GIVEN
+@click.option("--missing", metavar="TYPE", help="Instead of a GOAL: how far a type came that was not found, and why.")
+@click.option("--kb", "kb_folder", help="With --missing: the knowledge base, for the cause.")
 @click.option(
     "-n", "number", type=click.IntRange(1), help="Explanations of each kind (default: 5; of present(h), a summary)."
 )
@@ -180,12 +182,32 @@ def query(source: str, goal: str | None, given: tuple[str, ...], as_json: bool, 
 @TRUST
 @DIGITS
 @AS_JSON
-def explain(source: str, goal: str, given: tuple[str, ...], number: int | None, as_json: bool, **options: Any) -> None:
-    """Say why, and why not: ranked explanations of the goal as trees down to the data."""
+def explain(
+    source: str,
+    goal: str | None,
+    given: tuple[str, ...],
+    missing: str | None,
+    kb_folder: str | None,
+    number: int | None,
+    as_json: bool,
+    **options: Any,
+) -> None:
+    """Say why, and why not: ranked explanations of the GOAL as trees down to the data; or why a TYPE is missing."""
+    if (goal is None) == (missing is None):
+        raise click.UsageError("give either a GOAL or --missing TYPE")
+    if missing is not None:
+        from plogic.face.commands.missing import missing_command
+
+        if given or number is not None or any(options.values()):
+            raise click.UsageError("--missing takes --kb, --digits and --json alone")
+        emit(missing_command(source, missing, kb_folder, as_json=as_json))
+        return
+    if kb_folder is not None:
+        raise click.UsageError("--kb: only with --missing")
     from plogic.face.commands.asking import explain_command
 
     _warn(source, trust=options["trust"])
-    emit(explain_command(source, goal, given, number, Asking(**options), as_json=as_json))
+    emit(explain_command(source, goal or "", given, number, Asking(**options), as_json=as_json))
 
 
 @cli.command()

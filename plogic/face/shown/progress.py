@@ -1,4 +1,4 @@
-"""How far something that takes long has come, on standard error: a line written over on a terminal, else now and then one.
+"""How far something long has come, on standard error: a line written over on a terminal, else a line now and then.
 
 * ``Progress()``: ``progress.at("cup: 20 of 120 views")``, and ``progress.end()`` where it is done
 """
