@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 import io
+import sys
 
 import pytest
 from in_process import told
 from rich.console import Console
 
-from plogic.face.shown import tables
+from plogic.face.shown import progress, tables
 from plogic.face.shown.figures import chance, places, precise, signed
 
 
@@ -76,3 +77,14 @@ def test_digits_of_a_command(tmp_path):
 def test_an_empty_interpretation_has_tables():
     assert "possible worlds" in printed(tables.worlds({}))
     assert "measures" in printed(tables.measures({"hypotheses": [{"id": "h1", "type": "t", "status": "rejected"}]}))
+
+
+def test_progress_is_a_line_every_ten_seconds_without_a_terminal(monkeypatch):
+    clock = iter([0.0, 5.0, 10.0, 10.0, 15.0, 20.5, 20.5])
+    monkeypatch.setattr(progress, "monotonic", lambda: next(clock))
+    monkeypatch.setattr(sys, "stderr", io.StringIO())
+    told_of = progress.Progress()
+    for view in range(4):
+        told_of.at(f"{view} views")
+    told_of.end()
+    assert sys.stderr.getvalue() == "1 views\n3 views\n"
