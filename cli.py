@@ -40,7 +40,7 @@ from plogic.face.shown.options import (
     say,
 )
 
-SIZED = "places", "scale", "panorama", "stereo", "constancy", "look-again", "occlusion", "attention"
+SIZED = "places", "sizes", "scale", "panorama", "stereo", "constancy", "look-again", "occlusion", "attention"
 BENCHES = "towers", "worlds", "programs", "recognition", "box", "clutter", "many", "calibration", "batch", *SIZED
 NO_MEMORY = "failed to map segment", "Cannot allocate memory", "Insufficient memory", "can't start new thread"
 """What libraries say in whose errors memory ran out."""
@@ -252,13 +252,15 @@ def report(interpretation: str, out: str) -> None:
     "--objects",
     "number",
     type=click.IntRange(0, 50),
-    default=2,
-    show_default=True,
-    help="How many stand on the table, where there is room.",
+    help="How many stand there, where there is room.  [default: 2, or as many as are named]",
 )
+@click.option("--type", "names", multiple=True, help="A type that may stand there, again for more; else all of a size.")
 @click.option(
     "--decoys", type=click.IntRange(0, 50), default=0, show_default=True, help="Untyped boxes and wedges beside them."
 )
+@click.option("--distance", type=Number(0.0, min_open=True), help="Metres from the camera to the middle of the scene.")
+@click.option("--size-px", type=click.IntRange(1, 2000), help="Instead: how long the largest thing is in the picture.")
+@click.option("--gamma", is_flag=True, help="Write gamma.json, typed appearances by the KB's rates, and no picture.")
 @click.option("--seed", type=SEED, default=0, show_default=True)
 @click.option(
     "-o", "--out", type=click.Path(path_type=Path), required=True, help="New folder for image, camera and ground truth."
@@ -266,12 +268,18 @@ def report(interpretation: str, out: str) -> None:
 @BOP
 @BOP_IMAGES
 @ROBOT
-def simulate(kb_folder: str, number: int, decoys: int, seed: int, out: Path, **options: Any) -> None:
-    """Render a physically settled scene with its ground truth."""
-    from plogic.face.commands.simulate import simulate_command, tell_without_physics
+def simulate(kb_folder: str, seed: int, out: Path, **options: Any) -> None:
+    """Simulate a physically settled scene, as large as its objects, with its ground truth."""
+    from plogic.face.commands.simulate import Wanted, simulate_command, tell_without_physics
 
-    tell_without_physics(say)
-    simulate_command(kb_folder, number, decoys, seed, out, **options)
+    if options["distance"] is not None and options["size_px"] is not None:
+        raise click.UsageError("--distance and --size-px: each says how far the camera is: leave one out")
+    if options["gamma"] and options["bop"] is not None:
+        raise click.UsageError("--gamma: makes no picture, and --bop is of pictures: leave one out")
+    if not options["gamma"]:
+        tell_without_physics(say)
+    wanted = Wanted(**{key: options.pop(key) for key in ("number", "decoys", "names", "distance", "size_px", "gamma")})
+    simulate_command(kb_folder, wanted, seed, out, say=say, **options)
     say(f"wrote {out}")
 
 

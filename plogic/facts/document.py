@@ -365,3 +365,6 @@ class TruthRow(TypedDict):
     format: Literal["truth/1"]
     objects: Annotated[list[TrueRow], "The objects."]
     complete: NotRequired[Annotated[bool, "Whether every object of a known type is listed; true."]]
+    causes: NotRequired[
+        Annotated[dict[str, str], "What each datum of Γ is of: `0/roof/apex` of the first of objects, or `noise`."]
+    ]

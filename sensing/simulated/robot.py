@@ -11,7 +11,7 @@ What a robot saw on its way, as a folder: ``frame-000/`` with image.png, camera.
 ``poses.json`` is ``poses/1``, as ``plogic perceive FRAME... --poses FILE`` reads it.
 """
 
-from collections.abc import Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -24,16 +24,16 @@ from geometry.frames import inverse, is_rigid, look_at
 from sensing.errors import SceneError
 from sensing.files.whole_files import new_folder
 from sensing.simulated.body import Body
-from sensing.simulated.camera import Rendering, visible_fractions
+from sensing.simulated.camera import Rendering
 from sensing.simulated.scene import Scene, json_bytes, png, truth_to_dict
 from sensing.simulated.surroundings import placed_at
 
 LOW = 0.1
-"""M above the floor that a camera stays."""
+"""Units of the scene above the floor that a camera stays."""
 CLEARANCE = 0.1
-"""M that a camera stays from the convex hull of a body."""
+"""Units that a camera stays from the convex hull of a body."""
 ROOM = 20.0
-"""M from the middle of the bodies, on the level, that the walls are; as high is the ceiling."""
+"""Units from the middle of the bodies, on the level, that the walls are; as high is the ceiling."""
 
 
 class Robot:
@@ -62,15 +62,16 @@ class Robot:
         if np.shape(world_from_camera) != (4, 4) or not is_rigid(world_from_camera):
             return "is no rigid 4x4 matrix"
         eye = np.asarray(world_from_camera)[:3, 3]
-        if eye[2] < LOW:
-            return f"is {eye[2]:.2f} m above the floor; {LOW} m are the least"
-        if np.linalg.norm(eye[:2] - self.middle[:2]) > ROOM or eye[2] > ROOM:
-            return f"is outside the room, which reaches {ROOM:g} m from the middle of the scene"
-        near = next((body for body in self._scene.bodies if _outside(body, eye) < CLEARANCE), None)
+        low, clearance, room = (self._scene.unit * length for length in (LOW, CLEARANCE, ROOM))
+        if eye[2] < low:
+            return f"is {eye[2]:.2f} m above the floor; {low:g} m are the least"
+        if np.linalg.norm(eye[:2] - self.middle[:2]) > room or eye[2] > room:
+            return f"is outside the room, which reaches {room:g} m from the middle of the scene"
+        near = next((body for body in self._scene.bodies if _outside(body, eye) < clearance), None)
         return (
             None
             if near is None
-            else f"is inside or nearer than {CLEARANCE} m to {'a decoy' if near.label is None else repr(near.label)}"
+            else f"is inside or nearer than {clearance:g} m to {'a decoy' if near.label is None else repr(near.label)}"
         )
 
     def move_to(self, world_from_camera: NDArray[np.float64]) -> None:
@@ -90,7 +91,7 @@ class Robot:
 
     def scene(self) -> Scene:
         """The scene from here, with the visible shares of the bodies: ground truth."""
-        return replace(self._scene, fractions=visible_fractions(self._scene.bodies, self._scene.camera))
+        return replace(self._scene, fractions=self._scene.visible_shares())
 
     def ring(self, views: int) -> list[NDArray[np.float64]]:
         """So many places (4, 4) evenly around the middle, at the present height and distance, turned to the middle.
@@ -119,8 +120,17 @@ def _outside(body: Body, eye: NDArray[np.float64]) -> float:
     return float((hull.equations[:, :3] @ eye + hull.equations[:, 3]).max())
 
 
-def write_tour(robot: Robot, places: Sequence[NDArray[np.float64]], folder: Path, supersample: int = 3) -> None:
+def write_tour(
+    robot: Robot,
+    places: Sequence[NDArray[np.float64]],
+    folder: Path,
+    supersample: int = 3,
+    files: Callable[[Scene], Mapping[str, bytes]] | None = None,
+) -> None:
     """Go to each of the places (4, 4) in the world in turn, look, and write the folder, whole or not at all.
+
+    ``files``: what is written of the scene from each place, the frame's own file first, instead of a picture with
+    camera and truth.
 
     Raises:
         SceneError: The robot cannot be at a place; nothing is written.
@@ -136,9 +146,12 @@ def write_tour(robot: Robot, places: Sequence[NDArray[np.float64]], folder: Path
             robot.move_to(place)
             name = f"frame-{i:03d}"
             (made / name).mkdir()
-            for file, data in _frame(robot, supersample).items():
+            written = _frame(robot, supersample) if files is None else files(robot.scene())
+            for file, data in written.items():
                 (made / name / file).write_bytes(data)
-            frames.append({"frame": f"{name}/image.png", "T_world_camera": robot.world_from_camera.tolist()})
+            frames.append(
+                {"frame": f"{name}/{next(iter(written))}", "T_world_camera": robot.world_from_camera.tolist()}
+            )
         (made / "poses.json").write_bytes(json_bytes({"format": "poses/1", "frames": frames}))
 
 

@@ -10,7 +10,7 @@ A simulated scene as a folder: ``image.png``, ``camera.json`` (the contract's ca
 """
 
 import json
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any, Literal
@@ -25,6 +25,7 @@ from sensing.errors import SceneError
 from sensing.files.whole_files import write_folder
 from sensing.simulated.body import Body, TexturedMesh
 from sensing.simulated.camera import Rendering, Sensor, render, visible_fractions
+from sensing.simulated.framing import Framing, resized, resized_scene
 from sensing.simulated.physics import settle
 from sensing.simulated.surroundings import Light, Surroundings, placed_at
 
@@ -35,22 +36,22 @@ _WEDGE = ((0, 1, 4), (1, 2, 5, 4), (2, 3, 5), (3, 0, 4, 5), (3, 2, 1, 0))
 
 
 Placement = Literal["beside", "hiding"]
-DISTANCE = (3.0, 9.0)
 ELEVATION = (5.0, 45.0)
 """Degrees above the horizon at which the camera stands, seen from the things."""
 ROLL = 4.0
 MARGIN = 8.0
 """Pixels that everything keeps from the image's border."""
 GAP = 0.08
-"""Metres that footprints keep from one another."""
+"""Units of the scene that footprints keep from one another."""
 ATTEMPTS = 400
 
 
 @dataclass(frozen=True, eq=False)
 class Scene:
-    """Bodies, the camera with its pose in the world, and what decides the pixels.
+    """Bodies, the camera with its pose in the world, and what decides the pixels; metres.
 
-    ``fractions`` is the visible share of each body.
+    ``fractions`` is the visible share of each body. ``unit``: metres of the unit in which the scene is drawn: a floor's
+    grain, and the nearest and farthest that is seen, go with it.
     """
 
     bodies: tuple[Body, ...]
@@ -59,6 +60,7 @@ class Scene:
     surroundings: Surroundings
     sensor: Sensor
     fractions: tuple[float, ...]
+    unit: float = 1.0
 
     @property
     def camera_from_bodies(self) -> NDArray[np.float64]:
@@ -67,8 +69,14 @@ class Scene:
         return np.asarray(inverse(placed_at(self.camera)) @ poses)
 
     def photograph(self, supersample: int = 3) -> Rendering:
-        """The picture with its depth and segmentation."""
-        return render(self.bodies, self.camera, self.light, self.surroundings, self.sensor, supersample)
+        """The picture with its depth, metres, and segmentation."""
+        bodies, camera = resized_scene(self.bodies, self.camera, 1.0 / self.unit)
+        drawn = render(bodies, camera, self.light, self.surroundings, self.sensor, supersample)
+        return drawn if self.unit == 1.0 else replace(drawn, depth=drawn.depth * np.float32(self.unit))
+
+    def visible_shares(self) -> tuple[float, ...]:
+        """The visible share of each body from where the camera is now."""
+        return visible_fractions(*resized_scene(self.bodies, self.camera, 1.0 / self.unit))
 
 
 def default_camera() -> Camera:
@@ -83,12 +91,13 @@ def random_scene(
     decoys: int = 0,
     placement: Placement = "beside",
     camera: Camera | None = None,
+    framing: Framing | None = None,
 ) -> Scene:
     """A scene with every one of ``shapes`` and as many ``decoys``; the same arguments give the same scene.
 
     ``beside``: each shape is seen to 97 % at least. ``hiding``: one of the first two hides 8 to 50 % of the other;
-    decoys hide no more than half of any. In both, all is in view whole and the camera is 3 to 9 m from each shape (from
-    the middle, where there is none).
+    decoys hide no more than half of any. In both, all is in view whole and the camera is 3 to 9 units from each shape
+    (from the middle, where there is none). A unit is a metre unless ``framing`` says otherwise.
 
     Raises:
         SceneError: ``hiding`` with fewer than two shapes, or nothing of the kind was found in 400 attempts.
@@ -96,16 +105,17 @@ def random_scene(
     if placement == "hiding" and len(shapes) < 2:
         raise SceneError(f"placement 'hiding' needs two shapes, not {len(shapes)}")
     rng = np.random.default_rng([seed, 4])
-    template = camera or default_camera()
+    template, framing = camera or default_camera(), framing or Framing()
+    sized = [(label, resized(mesh, 1.0 / framing.unit)) for label, mesh in shapes]
     for _ in range(ATTEMPTS):
-        found = _attempt(shapes, rng, decoys, placement, template)
+        found = _attempt(sized, rng, decoys, placement, template, framing)
         if found is not None:
-            bodies, placed_camera, fractions = found
-            return Scene(
-                bodies, placed_camera, _light(rng), _surroundings(rng), Sensor(seed=int(rng.integers(2**31))), fractions
-            )
+            bodies, placed_camera = resized_scene(*found[:2], framing.unit)
+            look = _light(rng), _surroundings(rng), Sensor(seed=int(rng.integers(2**31)))
+            return Scene(bodies, placed_camera, *look, found[2], framing.unit)
     raise SceneError(
         f"no scene of {len(shapes)} shapes and {decoys} decoys ({placement}) was found in {ATTEMPTS} attempts"
+        + ("" if framing.reach else "; at another distance, or with fewer, there may be room")
     )
 
 
@@ -115,16 +125,17 @@ def _attempt(
     decoys: int,
     placement: Placement,
     template: Camera,
+    framing: Framing,
 ) -> tuple[tuple[Body, ...], Camera, tuple[float, ...]] | None:
     azimuth = rng.uniform(0, 2 * np.pi)
     bodies = _standing(shapes, rng, decoys, placement, azimuth)
     if bodies is None:
         return None
-    camera = _aimed(bodies, len(shapes), azimuth, rng, template)
+    camera = _aimed(bodies, len(shapes), azimuth, rng, template, framing)
     if camera is None:
         return None
     bodies = settle(bodies, int(rng.integers(2**31)))
-    if not _in_view(bodies, camera):
+    if not _in_view(bodies, camera) or not _covering(bodies[: len(shapes)], camera, framing):
         return None
     fractions = visible_fractions(bodies, camera)
     return (bodies, camera, fractions) if _as_wanted(fractions[: len(shapes)], placement) else None
@@ -178,7 +189,12 @@ def _apart(bodies: Sequence[Body]) -> bool:
 
 
 def _aimed(
-    bodies: Sequence[Body], shapes: int, azimuth: float, rng: np.random.Generator, template: Camera
+    bodies: Sequence[Body],
+    shapes: int,
+    azimuth: float,
+    rng: np.random.Generator,
+    template: Camera,
+    framing: Framing,
 ) -> Camera | None:
     """A camera on the side ``azimuth`` that has everything in view.
 
@@ -189,22 +205,35 @@ def _aimed(
     for _ in range(8):
         elevation = np.radians(rng.uniform(*ELEVATION))
         side = np.array([np.cos(azimuth) * np.cos(elevation), np.sin(azimuth) * np.cos(elevation), np.sin(elevation)])
-        eye = middle + rng.uniform(*DISTANCE) * side
+        eye = middle + rng.uniform(*framing.distance) * side
         target = middle + rng.uniform(-0.3, 0.3, 3)
         camera_from_world = _turned(np.radians(rng.uniform(-ROLL, ROLL))) @ look_at(eye, target, (0, 0, 1))
         camera = replace(template, world_from_camera=inverse(camera_from_world))
         away = [float(np.linalg.norm(b.vertices_world.mean(axis=0) - eye)) for b in bodies[:shapes]]
-        reached = all(DISTANCE[0] <= d <= DISTANCE[1] for d in away)
-        if eye[2] > 0.1 and reached and _in_view(bodies, camera):
+        reached = framing.reach is None or all(framing.reach[0] <= d <= framing.reach[1] for d in away)
+        fits = eye[2] > 0.1 and reached and _in_view(bodies, camera)
+        if fits and _covering(bodies[:shapes], camera, framing):
             return camera
     return None
 
 
 def _in_view(bodies: Sequence[Body], camera: Camera) -> bool:
-    camera_from_world = inverse(placed_at(camera))
     last = np.array([camera.width - 1, camera.height - 1]) - MARGIN
-    places = (camera.project(transform_points(camera_from_world, body.vertices_world)) for body in bodies)
-    return all(((uv >= MARGIN) & (uv <= last)).all() for uv in places)
+    return all(((uv >= MARGIN) & (uv <= last)).all() for uv in _pictures(bodies, camera))
+
+
+def _covering(bodies: Sequence[Body], camera: Camera, framing: Framing) -> bool:
+    """Whether each has its share of the picture's height, where one is asked for."""
+    if framing.cover is None:
+        return True
+    low, high = np.array(framing.cover) * camera.height
+    return all(low <= np.ptp(uv[:, 1]) <= high for uv in _pictures(bodies, camera))
+
+
+def _pictures(bodies: Sequence[Body], camera: Camera) -> Iterator[NDArray[np.float64]]:
+    """(V, 2) pixels of the vertices of each."""
+    camera_from_world = inverse(placed_at(camera))
+    return (camera.project(transform_points(camera_from_world, body.vertices_world)) for body in bodies)
 
 
 def _as_wanted(fractions: Sequence[float], placement: Placement) -> bool:
