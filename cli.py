@@ -16,6 +16,7 @@ from plogic.face.shown.options import (
     BOP_IMAGES,
     CAMERA,
     DEADLINE,
+    DIGITS,
     DV_OVER,
     FIRST_READING,
     GENERATOR,
@@ -65,6 +66,7 @@ def cli() -> None:
     "--look-again", is_flag=True, help="Two worlds near even, and the second view that settles it (posterior reading)."
 )
 @click.option("--paper", is_flag=True, help="Table 1 and figure 5 of the paper, counted from a Γ and three poses.")
+@DIGITS
 @AS_JSON
 def demo(out: Path | None, seed: int, reading: Any, look_again: bool, paper: bool, as_json: bool) -> None:
     """Show the two towers: from a simulated camera's pixels to ranked worlds, a picture and a page."""
@@ -132,6 +134,7 @@ def perceive(inputs: tuple[str, ...], kb_folder: str, **options: Any) -> None:
 @READING
 @DEADLINE
 @TRUST
+@DIGITS
 @AS_JSON
 def worlds(source: str, number: int, given: tuple[str, ...], as_json: bool, **options: Any) -> None:
     """List the possible worlds, most probable first, with the mass that is not listed."""
@@ -152,6 +155,7 @@ def worlds(source: str, number: int, given: tuple[str, ...], as_json: bool, **op
 @READING
 @DEADLINE
 @TRUST
+@DIGITS
 @AS_JSON
 def query(source: str, goal: str | None, given: tuple[str, ...], as_json: bool, **options: Any) -> None:
     """Give P(goal) with every answer substitution, most probable first; without a goal, the program's own queries."""
@@ -165,8 +169,10 @@ def query(source: str, goal: str | None, given: tuple[str, ...], as_json: bool, 
 
 @cli.command()
 @SOURCE
-@click.argument("goal")
+@click.argument("goal", required=False)
 @GIVEN
+@click.option("--missing", metavar="TYPE", help="Instead of a GOAL: how far a type came that was not found, and why.")
+@click.option("--kb", "kb_folder", help="With --missing: the knowledge base, for the cause.")
 @click.option(
     "-n", "number", type=click.IntRange(1), help="Explanations of each kind (default: 5; of present(h), a summary)."
 )
@@ -174,13 +180,34 @@ def query(source: str, goal: str | None, given: tuple[str, ...], as_json: bool, 
 @WITHHOLD
 @READING
 @TRUST
+@DIGITS
 @AS_JSON
-def explain(source: str, goal: str, given: tuple[str, ...], number: int | None, as_json: bool, **options: Any) -> None:
-    """Say why, and why not: ranked explanations of the goal as trees down to the data."""
+def explain(
+    source: str,
+    goal: str | None,
+    given: tuple[str, ...],
+    missing: str | None,
+    kb_folder: str | None,
+    number: int | None,
+    as_json: bool,
+    **options: Any,
+) -> None:
+    """Say why, and why not: ranked explanations of the GOAL as trees down to the data; or why a TYPE is missing."""
+    if (goal is None) == (missing is None):
+        raise click.UsageError("give either a GOAL or --missing TYPE")
+    if missing is not None:
+        from plogic.face.commands.missing import missing_command
+
+        if given or number is not None or any(options.values()):
+            raise click.UsageError("--missing takes --kb, --digits and --json alone")
+        emit(missing_command(source, missing, kb_folder, as_json=as_json))
+        return
+    if kb_folder is not None:
+        raise click.UsageError("--kb: only with --missing")
     from plogic.face.commands.asking import explain_command
 
     _warn(source, trust=options["trust"])
-    emit(explain_command(source, goal, given, number, Asking(**options), as_json=as_json))
+    emit(explain_command(source, goal or "", given, number, Asking(**options), as_json=as_json))
 
 
 @cli.command()
@@ -188,6 +215,7 @@ def explain(source: str, goal: str, given: tuple[str, ...], number: int | None, 
 @RULES
 @READING
 @TRUST
+@DIGITS
 def shell(source: str, **options: Any) -> None:
     """Ask, observe, predict, rank worlds and ask why, at a prompt or from lines on stdin."""
     from plogic.face.commands.asking import shell_command
@@ -295,6 +323,25 @@ def bench(name: str, scenes: int, limit: float, quick: bool, picture: Path | Non
     )
     emit(text)
     sys.exit(0 if met else 1)
+
+
+@cli.command()
+@click.argument("name", metavar="bash|zsh|fish", type=click.Choice(["bash", "zsh", "fish"]))
+def completion(name: str) -> None:
+    """Print what makes a shell complete commands and options; its comment says where to put it."""
+    from plogic.face.commands.shells import completion_text
+
+    emit(completion_text(name))
+
+
+@cli.command()
+def man() -> None:
+    """Print the manual of all commands as a man page: `plogic man | man -l -`."""
+    from importlib.metadata import version
+
+    from plogic.face.commands.shells import man_text
+
+    emit(man_text(cli, version("plogic")))
 
 
 cli.add_command(kb)

@@ -31,7 +31,7 @@ does not name is a mistake. Whole numbers are written without a point. What is w
 it at once:
 
 ```text
-gamma.json:4:36: appearances.0.uv: [312.4] is no list of 2
+gamma.json:4:41: appearances.0.uv: a list of 1, and not of 2
 ```
 
 What no schema says, and the readers check too: a pose is rigid, ids are told once, `uv` lies in the image, an appearance's

@@ -8,7 +8,7 @@ Every other package derives its errors from `PlogicError`. A message states the 
 
 Many mistakes as one text: as many of them as somebody reads.
 
-* ``Mistake``: one, at its place in a document, ``Mistake(("appearances", 3, "uv"), "'here' is no list of 2")``
+* ``Mistake``: one, at its place in a document, ``Mistake(("appearances", 3, "uv"), "a list of 1, and not of 2")``
 """
 
 from collections.abc import Sequence
@@ -34,7 +34,7 @@ class Mistake(NamedTuple):
         return Mistake((*keys, *self.place), self.what, self.at_key)
 
     def __str__(self) -> str:
-        """``appearances.3.uv: 'here' is no list of 2``; a key is cut to 60 characters."""
+        """``appearances.3.uv: a list of 1, and not of 2``; a key is cut to 60 characters."""
         return f"{'.'.join(f'{step!s:.60}' for step in self.place)}: {self.what}" if self.place else self.what
 
 

@@ -30,7 +30,7 @@ class Document(NamedTuple):
     text: str = ""
 
     def told(self, mistakes: Sequence[Mistake]) -> list[str]:
-        """A line for each mistake: ``gamma.json:12:7: appearances.1.uv: 'here' is no list of 2``."""
+        """A line for each mistake: ``gamma.json:12:7: appearances.1.uv: a list of 1, and not of 2``."""
         return [f"{place}: {mistake}" for place, mistake in zip(self.where(mistakes), mistakes, strict=True)]
 
     def where(self, mistakes: Sequence[Mistake]) -> list[str]:

@@ -63,11 +63,27 @@ def detected(picture: NDArray[Any], camera: "Camera", kb: "KnowledgeBase", clock
     from sensing.detectors.detector import detect
 
     if not detectable(kb):
-        raise InputError(
-            f"{kb.name}: no detector reports any of its appearance types ({', '.join(kb.appearance_types)}): give a Γ file instead"
-        )
+        raise InputError(_undetectable(kb))
     with clock.stage("detect"):
         return detect(picture, camera, kb.sought, kb.words)
+
+
+MOST_NAMED = 12
+"""Appearance types that an error names."""
+
+
+def _undetectable(kb: "KnowledgeBase") -> str:
+    """Why an image gives nothing with a knowledge base, and what would."""
+    from sensing.detectors.detector import detectors
+
+    if not any(kind.features for kind in kb.types):
+        return f"{kb.name}: no type has features, so an image gives nothing: plogic kb learn --kb KB, or write them into object.yaml"
+    known = sorted({name for make in detectors().values() for name in make().types})
+    own, theirs = (
+        ", ".join(names[:MOST_NAMED]) + ", ..." * (len(names) > MOST_NAMED) for names in (kb.appearance_types, known)
+    )
+    what = f"{kb.name}: no detector reports any of its appearance types ({own or 'there are none'})"
+    return f"{what}: give a Γ file instead, or use types that detectors report ({theirs})"
 
 
 def detectable(kb: "KnowledgeBase") -> bool:

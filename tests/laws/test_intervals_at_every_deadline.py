@@ -165,7 +165,7 @@ def test_programs_whatever_was_told_when_the_deadline_came(drawn, patience):
 def slowly_told(text, patience):
     """The answers of ``answers_by`` where the compiler is ready after so many looks at the bounds (or soon after)."""
     ready, told, looks = Event(), [], []
-    exactly, refine = anytime.compiled, anytime.Bounds.refine
+    exactly, refine = anytime.probabilities, anytime.Bounds.refine
 
     def late(found):
         ready.wait(0.02)
@@ -178,7 +178,7 @@ def slowly_told(text, patience):
         refine(found)
 
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(anytime, "compiled", late)
+        patch.setattr(anytime, "probabilities", late)
         patch.setattr(anytime, "FIRST_WAIT", -1.0)
         patch.setattr(bounds, "DECISIONS_AT_ONCE", 1)
         patch.setattr(anytime.Bounds, "refine", counted)

@@ -31,6 +31,10 @@ from sensing.simulated.stage import MAX_TRIANGLES
 BY_HAND = "its features were written by hand; learning would replace them: take them out of object.yaml first"
 
 
+NAMED = 20
+"""Names that a line lists."""
+
+
 def learn_command(kb_folder: str, names: Sequence[str], options: Learning, *, say: Callable[[str], None]) -> str:
     """Learn the types that are named, or all that have a texture and no features."""
     kb = kb_of(kb_folder)
@@ -65,20 +69,29 @@ def _chosen(kb: KnowledgeBase, names: Sequence[str]) -> list[ObjectType]:
     """The types to learn, each once; everything that is wrong with them is told at once."""
     known = {kind.name: kind for kind in kb.types}
     names = list(dict.fromkeys(names))
-    wrong = [
-        f"{name}: no such object type; there are: {', '.join(known) or 'none (plogic kb add)'}"
-        for name in names
-        if name not in known
-    ]
     some = (
         [known[name] for name in names if name in known] if names else [kind for kind in kb.types if not kind.features]
     )
-    wrong += [f"{kind.name}: {fault}" for kind in some if (fault := _fault(kind)) is not None]
+    lost = [name for name in names if name not in known]
+    wrong = [f"{_few(lost)}: no such object type; there are: {_few(list(known)) or 'none (plogic kb add)'}"] * bool(
+        lost
+    )
+    faults: dict[str, list[str]] = {}
+    for kind in some:
+        fault = _fault(kind)
+        if fault is not None:
+            faults.setdefault(fault, []).append(kind.name)
+    wrong += [f"{_few(those)}: {fault}" for fault, those in faults.items()]
     if wrong:
         raise InputError("\n".join(wrong))
     if not some:
         raise InputError("every type has features already; name those that are to be learned again")
     return some
+
+
+def _few(names: Sequence[str]) -> str:
+    """The first names of many."""
+    return ", ".join(names[:NAMED]) + (f" and {len(names) - NAMED} more" if len(names) > NAMED else "")
 
 
 def _fault(kind: ObjectType) -> str | None:

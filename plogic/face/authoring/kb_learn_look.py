@@ -7,7 +7,6 @@ All that decides a cloud is here or imported from here.
 
 import hashlib
 import os
-import sys
 from collections.abc import Callable
 from contextlib import closing, suppress
 from functools import cache, partial
@@ -29,6 +28,7 @@ from plogic.base.errors import InputError
 from plogic.base.jobs import ChildDiedError, afresh
 from plogic.base.remembered import ROOT, cache_folder, forget_files_beside, source_digest, sources
 from plogic.face.shown.options import Learning
+from plogic.face.shown.progress import Progress
 from sensing.detectors.keypoint_detector import described, edge_sides
 from sensing.detectors.keypoints import Keypoints
 from sensing.errors import SensingError
@@ -73,18 +73,19 @@ def _seen(name: str, task: tuple[str, float, str, int], count: int, jobs: int) -
     """What is seen from ``count`` directions, in their order."""
     parts = [range(start, min(start + CHUNK, count)) for start in range(0, count, CHUNK)]
     seen: list[Observations] = []
+    progress = Progress()
     try:
         # a forked process would inherit the locks of OpenCV's threads, and wait for them for ever
         with closing(afresh(partial(_look, task), parts, jobs)) as found:
             for part, some in zip(parts, found, strict=True):
                 seen += some
-                _progress(f"{name}: {part.stop} of {count} views")
+                progress.at(f"{name}: {part.stop} of {count} views")
     except ChildDiedError:
         raise InputError(
             f"{name}: a process that rendered it was killed, as for lack of memory: fewer --jobs than {jobs}?"
         ) from None
     finally:
-        _progress("")
+        progress.end()
     return seen
 
 
@@ -108,13 +109,6 @@ def detection_by(detector: str) -> Callable[[NDArray[np.uint8], NDArray[np.uint8
         return described(image, detector, cell=cell, calm=calm)
 
     return detect
-
-
-def _progress(text: str) -> None:
-    """One line that is written over, on a terminal only."""
-    if sys.stderr.isatty():
-        sys.stderr.write(f"\r{text}\033[K")
-        sys.stderr.flush()
 
 
 DECIDES = "plogic/face/authoring/kb_learn_look.py"

@@ -14,6 +14,7 @@ import click
 from geometry.files.camera_files import read_camera
 from plogic.base.children import ending_well
 from plogic.face.shown.options import Batching
+from plogic.face.shown.progress import Progress
 from plogic.run.batch.frame_lines import ERROR, UNFINISHED
 from plogic.run.batch.frames import Frame, Settings, checked, frames_of
 from plogic.run.batch.frames_run import Engine, Waiting, run, waiting_beside
@@ -75,7 +76,7 @@ def _run(
     log.cut()
     count = {status: sum(line.status == status for line in log.written) for status in (ERROR, UNFINISHED)}
     before = {(line.input, line.frame) for line in (*log.written, *waiting.written)}
-    progress = Progress(len(frames), len(frames) - len(before))
+    progress = Frames(len(frames), len(frames) - len(before))
 
     def write(frame: Frame, status: str, line: bytes) -> None:
         log.write(line)
@@ -112,29 +113,28 @@ def _summary(out: str, total: int, new: int, bad: int, unfinished: int) -> str:
 
 EVERY = 0.2
 """Seconds between two pictures of the bar."""
-SELDOM = 60.0
-"""Seconds between two lines where there is no terminal."""
 WIDTH = 30
 """Characters of the bar."""
 
 
-class Progress:
+class Frames:
     """Of ``left`` frames of ``total``, on standard error; what stood there before is not counted in the speed."""
 
     def __init__(self, total: int, left: int) -> None:
         self._total, self._left, self._done, self._bad = total, left, 0, 0
         self._start = self._told = monotonic()
-        self._bar = sys.stderr.isatty()
+        self._progress = Progress()
 
     def step(self, *, bad: bool) -> None:
         """One frame more is done."""
         self._done += 1
         self._bad += bad
         now = monotonic()
-        if now - self._told >= (EVERY if self._bar else SELDOM):
+        if not self._progress.terminal:
+            self._progress.at(self.text(now))
+        elif now - self._told >= EVERY:
             self._told = now
-            sys.stderr.write(f"\r{self._drawn()}{self.text(now)}\033[K" if self._bar else self.text(now) + "\n")
-            sys.stderr.flush()
+            self._progress.at(f"{self._drawn()}{self.text(now)}")
 
     def say(self, line: str) -> None:
         """A line that stays, above the bar."""
@@ -143,9 +143,7 @@ class Progress:
 
     def end(self) -> None:
         """Take the bar away."""
-        if self._bar:
-            sys.stderr.write("\r\033[K")
-            sys.stderr.flush()
+        self._progress.end()
 
     def text(self, now: float) -> str:
         """``120 of 1000 frames, 1 bad, about 2 min left``."""

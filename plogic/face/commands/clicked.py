@@ -14,6 +14,7 @@ from plogic.face.shown.options import (
     AS_JSON,
     BEST_BY,
     CAMERA,
+    DIGITS,
     FIRST_READING,
     INTERPRETATION,
     KB,
@@ -177,6 +178,7 @@ def next_view(interpretation: str, number: int, seed: int, *, as_json: bool, **o
 
 @click.command(context_settings=HELP)
 @INTERPRETATION
+@DIGITS
 @AS_JSON
 def measures(interpretation: str, *, as_json: bool) -> None:
     """Compare the measures of each hypothesis.

@@ -66,8 +66,8 @@ def _of_one(source: str, options: Perceiving, say: Say, write: Say) -> int:
     with clock.stage("read"):
         kb = kb_of(options.kb)
         picture = None if is_gamma(source) else image_of(source, options.camera)
-    _tell_of(kb, options.kb, say)
     gamma, image = gamma_of(source, picture, options.camera, kb, clock)
+    _tell_of(kb, options.kb, say)
     with clock.stage("index"):
         perceiver = perceiver_of(kb, options.generator)
     document = perceiver(gamma, _chosen(options), image, clock)
@@ -89,13 +89,13 @@ def _of_pair(inputs: Sequence[str], options: Perceiving, stereo: str, say: Say, 
     check_places(_places(options))
     clock = Stopwatch()
     kb = kb_of(options.kb)
-    _tell_of(kb, options.kb, say)
     calibration = read_stereo(stereo)
     cameras = calibration.left, calibration.right
     (left, image), (right, _) = (
         _side(source, camera, stereo, kb, clock) for source, camera in zip(inputs, cameras, strict=True)
     )
     gamma = fused(left, right, calibration.pair, kb.rates.sigma)
+    _tell_of(kb, options.kb, say)
     perceiver, chosen = perceiver_of(kb, options.generator), _chosen(options)
     data, cycle = perceiver.cycle(gamma, chosen, clock)
     with clock.stage("both images"):

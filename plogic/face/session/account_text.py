@@ -2,6 +2,7 @@
 
 from collections.abc import Iterator
 
+from plogic.face.shown.figures import precise
 from plogic.scene.asking.explanations import Account, Covered, Explanation, Miss, Reason
 
 
@@ -26,7 +27,7 @@ def account_text(account: Account, *, brief: bool = False) -> str:
 
 def _head(account: Account) -> str:
     beside = f", its most probable of {account.answers} answers" if account.answers > 1 else ""
-    return f"P({account.goal}) = {account.probability:.6g}{beside}"
+    return f"P({account.goal}) = {precise(account.probability, 6)}{beside}"
 
 
 def _section(title: str, explanations: tuple[Explanation, ...], covered: Covered) -> list[str]:
@@ -53,19 +54,23 @@ def _chance(e: Explanation) -> str:
     before = (
         ""
         if abs(e.probability - e.given_evidence) <= 1e-9 * e.probability
-        else f" given the evidence, {e.probability:.4g} before it"
+        else f" given the evidence, {precise(e.probability, 4)} before it"
     )
-    return f"[P = {e.given_evidence:.4g}{before}]"
+    return f"[P = {precise(e.given_evidence, 4)}{before}]"
 
 
 def _rest(count: int, covered: Covered) -> str:
     low, high = covered.listed
-    listed = f"{low:.4g}" if high - low < 1e-9 else f"between {low:.4g} and {high:.4g}"
+    listed = f"{precise(low, 4)}" if high - low < 1e-9 else f"between {precise(low, 4)} and {precise(high, 4)}"
     told = f"  listed: {count}, of probability {listed} together; "
     stopped = " (the search was stopped)" if covered.stopped else ""
     return (
         told
-        + (f"all others add at most {covered.unlisted:.4g}" if covered.unlisted > 0 else "there is nothing beyond them")
+        + (
+            f"all others add at most {precise(covered.unlisted, 4)}"
+            if covered.unlisted > 0
+            else "there is nothing beyond them"
+        )
         + stopped
     )
 
@@ -92,7 +97,7 @@ def _miss(number: int, miss: Miss) -> Iterator[str]:
         if count > 1
         else "its condition fails"
     )
-    yield f"  {number}. {miss.goal}: {failed if miss.failed else f'P(all conditions) = {miss.probability:.4g}'}"
+    yield f"  {number}. {miss.goal}: {failed if miss.failed else f'P(all conditions) = {precise(miss.probability, 4)}'}"
     if miss.rule:
         yield f"     {miss.rule}"
     for condition in miss.conditions:
@@ -101,7 +106,7 @@ def _miss(number: int, miss: Miss) -> Iterator[str]:
 
 def _condition(reason: Reason, depth: int) -> Iterator[str]:
     known = reason.kind in ("holds", "fails", "open") or reason.probability is None
-    mark = reason.kind if known else f"{reason.probability:.3g}"
+    mark = reason.kind if reason.probability is None or known else precise(reason.probability, 3)
     yield "  " * depth + f"[{mark:^5}] {reason.goal}"
     for child in reason.children:
         yield from _condition(child, depth + 2)

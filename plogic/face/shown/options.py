@@ -9,6 +9,7 @@ from typing import Any
 
 import click
 
+from plogic.face.shown.figures import MOST, places
 from plogic.facts.situation import DvOver, Reading, Reconsider
 
 READINGS = click.Choice(["score", "posterior"])
@@ -32,6 +33,20 @@ WITHHOLD = click.option(
     metavar="HYPOTHESIS",
     help="Answer as somebody who does not know where it stands: its relations by what is detected; "
     "OTHER.json:HYPOTHESIS for one that is seen in another image (may be repeated).",
+)
+
+
+def _shown_to(ctx: click.Context, _: click.Parameter, number: int | None) -> None:
+    """Show probabilities to so many places while the command runs."""
+    ctx.with_resource(places(number))
+
+
+DIGITS = click.option(
+    "--digits",
+    type=click.IntRange(1, MOST),
+    expose_value=False,
+    callback=_shown_to,
+    help="Places of the probabilities that are shown (default: 3); --json has all.",
 )
 AS_JSON = click.option("--json", "as_json", is_flag=True, help="One versioned JSON document on stdout.")
 

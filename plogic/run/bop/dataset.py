@@ -24,6 +24,7 @@ from geometry.files.camera_files import from_bop_scene
 from geometry.files.plain_files import IS_FOLDER, IS_MISSING, fault_of, is_there
 from plogic.base.errors import InputError
 from plogic.run.bop.json_files import (
+    Place,
     entry_of,
     fraction,
     member,
@@ -112,31 +113,31 @@ class Scene:
         if self._annotations is None:
             return None
         path = self.folder / "scene_gt.json"
-        entries = _listed(entry_of(self._annotations, im_id, path), f"{path}: {im_id}")
+        entries = _listed(entry_of(self._annotations, im_id, path), Place(path, (im_id,)))
         visible = self._visible(im_id, len(entries))
-        return tuple(_truth(entry, visible[i], f"{path}: {im_id}.{i}") for i, entry in enumerate(entries))
+        return tuple(_truth(entry, visible[i], Place(path, (im_id, i))) for i, entry in enumerate(entries))
 
     def _visible(self, im_id: int, count: int) -> list[float | None]:
         if self._visibility is None:
             return [None] * count
         path = self.folder / "scene_gt_info.json"
-        infos = _listed(entry_of(self._visibility, im_id, path), f"{path}: {im_id}")
+        infos = _listed(entry_of(self._visibility, im_id, path), Place(path, (im_id,)))
         if len(infos) != count:
-            raise InputError(f"{path}: {im_id}: has {len(infos)} entries, but scene_gt.json has {count}")
-        places = [f"{path}: {im_id}.{i}" for i in range(count)]
+            raise InputError(f"{Place(path, (im_id,))}: has {len(infos)} entries, but scene_gt.json has {count}")
+        places = [Place(path, (im_id, i)) for i in range(count)]
         return [
-            fraction(member(info, "visib_fract", at), f"{at}.visib_fract")
+            fraction(member(info, "visib_fract", at), at.at("visib_fract"))
             for info, at in zip(infos, places, strict=True)
         ]
 
     def _camera(self, im_id: int, entry: object, size: tuple[int, int]) -> Camera:
         """The camera of one entry; its size is the picture's."""
-        place = f"{self.folder / 'scene_camera.json'}: {im_id}"
-        numbers(member(entry, "cam_K", place), 9, f"{place}.cam_K")
+        place = Place(self.folder / "scene_camera.json", (im_id,))
+        numbers(member(entry, "cam_K", place), 9, place.at("cam_K"))
         content: dict[str, Any] = {"cam_K": entry["cam_K"]} if isinstance(entry, dict) else {}
         if isinstance(entry, dict) and "cam_R_w2c" in entry:
-            t_mm = numbers(member(entry, "cam_t_w2c", place), 3, f"{place}.cam_t_w2c")
-            pose = motion(numbers(entry["cam_R_w2c"], 9, f"{place}.cam_R_w2c"), t_mm, f"{place}.cam_R_w2c")
+            t_mm = numbers(member(entry, "cam_t_w2c", place), 3, place.at("cam_t_w2c"))
+            pose = motion(numbers(entry["cam_R_w2c"], 9, place.at("cam_R_w2c")), t_mm, place.at("cam_R_w2c"))
             content |= {"cam_R_w2c": pose[:3, :3].ravel().tolist(), "cam_t_w2c": t_mm.tolist()}
         try:
             return camera_from_dict(from_bop_scene(content, size))
@@ -179,17 +180,17 @@ class Dataset:
         return names, lines
 
 
-def _listed(value: object, place: str) -> list[Any]:
+def _listed(value: object, place: Place) -> list[Any]:
     if not isinstance(value, list):
         raise InputError(f"{place}: must be a list, not {shown(value)}")
     return value
 
 
-def _truth(entry: object, visible: float | None, place: str) -> Truth:
-    R = numbers(member(entry, "cam_R_m2c", place), 9, f"{place}.cam_R_m2c")
-    t_mm = numbers(member(entry, "cam_t_m2c", place), 3, f"{place}.cam_t_m2c")
+def _truth(entry: object, visible: float | None, place: Place) -> Truth:
+    R = numbers(member(entry, "cam_R_m2c", place), 9, place.at("cam_R_m2c"))
+    t_mm = numbers(member(entry, "cam_t_m2c", place), 3, place.at("cam_t_m2c"))
     return Truth(
-        whole(member(entry, "obj_id", place), f"{place}.obj_id"), motion(R, t_mm, f"{place}.cam_R_m2c"), visible
+        whole(member(entry, "obj_id", place), place.at("obj_id")), motion(R, t_mm, place.at("cam_R_m2c")), visible
     )
 
 
@@ -292,12 +293,12 @@ def read_targets(path: Path) -> dict[tuple[int, int], dict[int, int]]:
         raise InputError(f"{path}: {fault}")
     entries = read_json(path)
     if not isinstance(entries, list):
-        raise InputError(f"{path}: must be a list of targets, not {shown(entries)}")
+        raise InputError(f"{Place(path)}: must be a list of targets, not {shown(entries)}")
     targets: dict[tuple[int, int], dict[int, int]] = {}
     for i, entry in enumerate(entries):
         keys = ("scene_id", "im_id", "obj_id", "inst_count")
         scene_id, im_id, obj_id, count = (
-            whole(member(entry, key, f"{path}: {i}"), f"{path}: {i}.{key}") for key in keys
+            whole(member(entry, key, Place(path, (i,))), Place(path, (i, key))) for key in keys
         )
         targets.setdefault((scene_id, im_id), {})[obj_id] = count
     return targets

@@ -23,7 +23,7 @@ from geometry.files.mesh_files import beside, reason
 from geometry.files.plain_files import IS_MISSING, fault_of
 from geometry.frames import from_rotation_translation, rotation_from_quat_xyzw
 from plogic.base.errors import InputError
-from plogic.run.bop.json_files import MM, entry_of, member, motion, numbered, numbers, read_json, shown, whole
+from plogic.run.bop.json_files import MM, Place, entry_of, member, motion, numbered, numbers, read_json, shown, whole
 
 NAMED = re.compile(r"obj_0*(\d+)")
 
@@ -48,8 +48,8 @@ def read_ids(path: str | None) -> dict[str, int]:
         return {}
     content = read_json(Path(path))
     if not isinstance(content, dict):
-        raise InputError(f"{path}: must be an object of numbers by type name, not {shown(content)}")
-    return {name: whole(number, f"{path}: {name}") for name, number in content.items()}
+        raise InputError(f"{Place(Path(path))}: must be an object of numbers by type name, not {shown(content)}")
+    return {name: whole(number, Place(Path(path), (name,))) for name, number in content.items()}
 
 
 def unknown(
@@ -77,7 +77,7 @@ STEP = 0.01
 """``max_sym_disc_step`` of the BOP challenge: 315 turns about an axis of continuous symmetry."""
 
 
-def symmetry_motions(info: object, place: str, step: float = STEP) -> NDArray[np.float64]:
+def symmetry_motions(info: object, place: Place, step: float = STEP) -> NDArray[np.float64]:
     """The motions (S, 4, 4), metres, object frame, of one model's entry; the identity is among them.
 
     Every discretised turn after every discrete motion; turns about two axes are not multiplied, as in the benchmark.
@@ -88,38 +88,38 @@ def symmetry_motions(info: object, place: str, step: float = STEP) -> NDArray[np
     return discrete if not len(turns) else np.asarray(turns[None] @ discrete[:, None]).reshape(-1, 4, 4)
 
 
-def _discrete(info: object, place: str) -> list[NDArray[np.float64]]:
+def _discrete(info: object, place: Place) -> list[NDArray[np.float64]]:
     motions = []
     for i, entry in enumerate(_entries(info, "symmetries_discrete", place)):
-        at = f"{place}.symmetries_discrete.{i}"
+        at = place.at("symmetries_discrete", i)
         rows = numbers(entry, 16, at).reshape(4, 4)
         motions.append(motion(rows[:3, :3].ravel(), rows[:3, 3], at))
     return motions
 
 
-def _turns(info: object, place: str, step: float) -> NDArray[np.float64]:
+def _turns(info: object, place: Place, step: float) -> NDArray[np.float64]:
     """Turns (S, 4, 4) about each continuous axis, angle 0 first; none without one."""
     count = math.ceil(math.pi / step)
     half = np.arange(count) * (math.pi / count)
     turns = [np.zeros((0, 4, 4))]
     for i, entry in enumerate(_entries(info, "symmetries_continuous", place)):
-        at = f"{place}.symmetries_continuous.{i}"
-        axis = numbers(member(entry, "axis", at), 3, f"{at}.axis")
-        offset = numbers(member(entry, "offset", at), 3, f"{at}.offset") / MM
+        at = place.at("symmetries_continuous", i)
+        axis = numbers(member(entry, "axis", at), 3, at.at("axis"))
+        offset = numbers(member(entry, "offset", at), 3, at.at("offset")) / MM
         if not np.linalg.norm(axis) > 0:
-            raise InputError(f"{at}.axis: must not be zero")
+            raise InputError(f"{at.at('axis')}: must not be zero")
         quat = np.concatenate([np.sin(half)[:, None] * axis / np.linalg.norm(axis), np.cos(half)[:, None]], axis=1)
         R = rotation_from_quat_xyzw(quat)
         turns.append(from_rotation_translation(R, offset - R @ offset))
     return np.concatenate(turns)
 
 
-def _entries(info: object, key: str, place: str) -> list[Any]:
+def _entries(info: object, key: str, place: Place) -> list[Any]:
     if not isinstance(info, dict):
         raise InputError(f"{place}: must be an object, not {info!r:.60}")
     value = info.get(key, [])
     if not isinstance(value, list):
-        raise InputError(f"{place}.{key}: must be a list, not {value!r:.60}")
+        raise InputError(f"{place.at(key)}: must be a list, not {value!r:.60}")
     return value
 
 
@@ -154,15 +154,15 @@ def read_models(folder: Path, ids: Iterable[int]) -> dict[int, Model]:
     path = folder / "models_info.json"
     infos = numbered(path)
     return {
-        obj_id: _model(folder, obj_id, entry_of(infos, obj_id, path), f"{path}: {obj_id}")
+        obj_id: _model(folder, obj_id, entry_of(infos, obj_id, path), Place(path, (obj_id,)))
         for obj_id in sorted(set(ids))
     }
 
 
-def _model(folder: Path, obj_id: int, info: object, place: str) -> Model:
-    diameter = float(numbers(member(info, "diameter", place), 1, f"{place}.diameter")[0]) / MM
+def _model(folder: Path, obj_id: int, info: object, place: Place) -> Model:
+    diameter = float(numbers(member(info, "diameter", place), 1, place.at("diameter"))[0]) / MM
     if not diameter > 0:
-        raise InputError(f"{place}.diameter: must be greater than 0")
+        raise InputError(f"{place.at('diameter')}: must be greater than 0")
     return Model(_points(folder / f"obj_{obj_id:06d}.ply"), diameter, symmetry_motions(info, place))
 
 

@@ -242,7 +242,9 @@ def _beyond_tolerance(case: Case) -> str:
     return f"{what}: are K and dist this camera's, and the type's measures right? Else raise match_tolerance and sigma in kb.yaml"
 
 
-def _by_angles(_: Case) -> str:
+def _by_angles(case: Case) -> str:
+    if case.kb.rates.sigma_angle is None:
+        return ""  # they counted for nothing anyway
     return (
         "it is found where the angles of the data are left out: an angle is how the x axis of its feature's frame lies on the "
         "screen, in radians, clockwise from +x; without sigma_angle in kb.yaml angles say nothing"

@@ -190,8 +190,11 @@ def test_a_texture_that_shows_nothing_is_one_clear_line(folder, tmp_path, surrou
 
 
 def test_names_that_are_not_there_and_features_written_by_hand(folder):
-    (line,) = refused(folder, "cup", "jug")[:1]
-    assert "cup: no such object type; there are: none" in line
+    (line,) = refused(folder, "cup", "jug")
+    assert line == "plogic: cup, jug: no such object type; there are: none (plogic kb add)"
+    (line,) = refused(folder, *(f"cup{i}" for i in range(25)))
+    assert line.startswith("plogic: cup0, cup1, ")
+    assert ", cup19 and 5 more: no such object type; there are: none" in line
     (folder / "objects" / "mine").mkdir()
     (folder / "objects" / "mine" / "object.yaml").write_text(MINE.replace("apex", "any"))
     (folder / "kb.yaml").write_text((folder / "kb.yaml").read_text())
@@ -279,7 +282,7 @@ def test_meshes_that_cannot_be_rendered_are_all_told_at_once(folder, tmp_path):
     lines = refused(folder, "cup")
     assert [line.split(":")[1].strip() for line in lines] == ["cup"], "what was not named is not looked at"
     lines = refused(folder)
-    assert sorted(line.split(":")[1].strip() for line in lines) == ["box", "fine", "finer", "torn"]
+    assert sorted(line.split(":")[1].strip() for line in lines) == ["box", "fine, finer", "torn"]
     for line in lines:
         assert ("textured.obj has 40001 triangles, more than the 40000 that can be rendered: simplify" in line) == (
             "fine" in line

@@ -90,6 +90,13 @@ def test_the_examples_are_of_use(tmp_path):
     assert line.input == "shelf/7.json"
 
 
+def test_the_message_in_the_docs_is_what_is_said(tmp_path):
+    (told,) = re.findall(r"^```text\n(.*?)\n```$", PAGE, re.DOTALL | re.MULTILINE)
+    with pytest.raises(PlogicError) as caught:
+        read("gamma", tmp_path, EXAMPLES["gamma"].replace("[312.4, 201.9]", "[312.4]"))
+    assert str(caught.value) == f"{tmp_path}/{told}"
+
+
 @pytest.mark.parametrize("name", FORMATS)
 def test_every_key_is_explained(name):
     of = [

@@ -271,7 +271,7 @@ def test_the_page_and_the_file_are_the_commands(scene, tmp_path):
     good("report", file, "-o", tmp_path / "command.html")
     assert scene.report(tmp_path / "page.html").read_bytes() == (tmp_path / "command.html").read_bytes()
     assert Interpretation.load(file) == scene
-    with pytest.raises(plogic.Error, match=r"first_gamma.json: format"):
+    with pytest.raises(plogic.Error, match=r"first_gamma.json:1:12: format"):
         Interpretation.load(Path(ALARM).parent / "first_gamma.json")
 
 

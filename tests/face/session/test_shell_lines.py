@@ -82,7 +82,7 @@ def test_a_line_that_fails_is_told_with_its_number_and_does_not_end_the_session(
         strict=True,
     ):
         assert part in line
-    assert done.stdout.rstrip().endswith("1.000    0.300   rain")
+    assert done.stdout.rstrip().endswith("1    0.300   rain")
 
 
 def test_quit_ends_it(rain):

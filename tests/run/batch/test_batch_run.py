@@ -13,7 +13,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from plogic.face.commands import batch as progress
-from plogic.face.commands.batch import Progress, duration
+from plogic.face.commands.batch import Frames, duration
+from plogic.face.shown import progress as lines
 from plogic.run.batch import frames_run as run
 from plogic.run.batch.frame_lines import Lines as Made
 from plogic.run.batch.frames import Frame, Settings
@@ -141,7 +142,7 @@ def test_a_bar_is_drawn_on_a_terminal_alone(monkeypatch):
     monkeypatch.setattr(progress, "EVERY", 0.0)
     for stream, wanted in ((Terminal(), True), (StringIO(), False)):
         monkeypatch.setattr(sys, "stderr", stream)
-        told = Progress(4, 2)
+        told = Frames(4, 2)
         told.step(bad=True)
         told.say("one is bad")
         told.step(bad=False)
@@ -152,10 +153,14 @@ def test_a_bar_is_drawn_on_a_terminal_alone(monkeypatch):
 
 
 def test_without_a_terminal_a_line_comes_now_and_then(monkeypatch):
-    monkeypatch.setattr(progress, "SELDOM", 0.0)
+    clock = iter([0.0, 9.9, 10.0, 10.0, 12.0, 20.0, 20.0])
+    monkeypatch.setattr(lines, "monotonic", lambda: next(clock))
     monkeypatch.setattr(sys, "stderr", StringIO())
-    Progress(10, 10).step(bad=False)
-    assert sys.stderr.getvalue().startswith("1 of 10 frames, about ")
+    told = Frames(10, 10)
+    for _ in range(4):
+        told.step(bad=False)
+    assert sys.stderr.getvalue().count("\n") == 2, "one after ten seconds, one ten seconds after that"
+    assert sys.stderr.getvalue().startswith("2 of 10 frames, about ")
     assert "\r" not in sys.stderr.getvalue()
 
 
@@ -163,7 +168,7 @@ def test_the_estimate_is_what_the_speed_of_this_run_makes_of_the_rest(monkeypatc
     clock = iter([0.0, 30.0, 60.0])
     monkeypatch.setattr(progress, "monotonic", lambda: next(clock))
     monkeypatch.setattr(sys, "stderr", StringIO())
-    told = Progress(1000, 100)
+    told = Frames(1000, 100)
     told.step(bad=False)
     told.step(bad=False)
     assert told.text(60.0) == "902 of 1000 frames, about 49 min left"

@@ -252,7 +252,7 @@ def test_nothing_is_left_of_a_dataset_that_failed(tmp_path):
 
 def test_simulate_writes_a_dataset_that_bop_perceives(tmp_path):
     """The towers, simulated, as BOP, through the KB's own perceiver: both images' towers are found."""
-    simulate_command("towers", Wanted(1), 3, tmp_path / "s", say=lambda _: None, bop=tmp_path / "d", bop_images=2)
+    simulate_command("towers", Wanted(1), 3, tmp_path / "s", say=[].append, bop=tmp_path / "d", bop_images=2)
     assert sorted(p.name for p in (tmp_path / "s").iterdir()) == ["camera.json", "image.png", "truth.json"]
     same = [cv2.imread(str(path)) for path in (tmp_path / "s/image.png", tmp_path / "d/test/000001/rgb/000000.png")]
     assert (same[0] == same[1]).all()
@@ -267,5 +267,5 @@ def test_simulate_writes_a_dataset_that_bop_perceives(tmp_path):
 def test_simulate_wants_two_folders(tmp_path):
     for bop in (tmp_path / "s", tmp_path / "s/d", tmp_path):
         with pytest.raises(InputError, match="is named for two outputs"):
-            simulate_command("towers", Wanted(1), 0, tmp_path / "s", say=lambda _: None, bop=Path(bop))
+            simulate_command("towers", Wanted(1), 0, tmp_path / "s", say=[].append, bop=Path(bop))
     assert list(tmp_path.iterdir()) == []

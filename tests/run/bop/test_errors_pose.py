@@ -1,16 +1,20 @@
 """MSSD, MSPD, ADD and ADD-S by hand, and their laws."""
 
+from pathlib import Path
+
 import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from geometry.frames import from_rotation_translation, rotation_from_quat_xyzw
+from plogic.run.bop.json_files import Place
 from plogic.run.bop.models import symmetry_motions
 from plogic.run.bop.recalls import AT_ONCE, add, add_s, mspd, mssd
 
 CUBE = np.array([[x, y, z] for x in (-1, 1) for y in (-1, 1) for z in (-1, 1)], dtype=float) / 2
 NONE = np.eye(4)[None]
+X = Place(Path("x"))
 K = np.array([[500.0, 0, 320], [0, 400, 240], [0, 0, 1]])
 QUARTER = {"symmetries_discrete": [[0, -1, 0, 0, 1, 0, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1]]}
 """A quarter turn about z, as in models_info.json."""
@@ -39,9 +43,9 @@ def test_a_cube_turned_about_its_axis_of_symmetry():
     With it, nothing.
     """
     assert mssd(turn(90), turn(0), CUBE, NONE) == pytest.approx(1.0)
-    assert mssd(turn(90), turn(0), CUBE, symmetry_motions(QUARTER, "x")) == pytest.approx(0.0, abs=1e-12)
+    assert mssd(turn(90), turn(0), CUBE, symmetry_motions(QUARTER, X)) == pytest.approx(0.0, abs=1e-12)
     assert mspd(turn(90), turn(0), CUBE, NONE, K) > 1
-    assert mspd(turn(90), turn(0), CUBE, symmetry_motions(QUARTER, "x"), K) == pytest.approx(0.0, abs=1e-9)
+    assert mspd(turn(90), turn(0), CUBE, symmetry_motions(QUARTER, X), K) == pytest.approx(0.0, abs=1e-9)
     assert add(turn(90), turn(0), CUBE) == pytest.approx(1.0)
     assert add_s(turn(90), turn(0), CUBE) == pytest.approx(0.0, abs=1e-12)
 
@@ -49,8 +53,8 @@ def test_a_cube_turned_about_its_axis_of_symmetry():
 def test_a_symmetry_stands_on_the_side_of_the_object():
     """P̄S, not SP̄: with the truth turned about x, the quarter turn is still about the object's own z."""
     truth = pose((np.sqrt(0.5), 0, 0, np.sqrt(0.5)))
-    assert mssd(truth @ turn(90, (0, 0, 0)), truth, CUBE, symmetry_motions(QUARTER, "x")) == pytest.approx(0, abs=1e-12)
-    back = mssd(truth @ turn(-90, (0, 0, 0)), truth, CUBE, symmetry_motions(QUARTER, "x"))
+    assert mssd(truth @ turn(90, (0, 0, 0)), truth, CUBE, symmetry_motions(QUARTER, X)) == pytest.approx(0, abs=1e-12)
+    back = mssd(truth @ turn(-90, (0, 0, 0)), truth, CUBE, symmetry_motions(QUARTER, X))
     assert back == pytest.approx(1), "the list is taken as it is, not as a group"
 
 
@@ -107,7 +111,7 @@ def ring(count=200, radius=0.5):
 
 def test_a_cylinder_may_turn_as_it_likes():
     """Half a step of the 315 turns is all that is left: radius 0.5 times its chord."""
-    own = symmetry_motions(ROUND, "x")
+    own = symmetry_motions(ROUND, X)
     assert len(own) == 315
     assert mssd(turn(37), turn(0), ring(), NONE) == pytest.approx(2 * 0.5 * np.sin(np.radians(37) / 2))
     assert mssd(turn(37), turn(0), ring(), own) <= 2 * 0.5 * np.sin(np.pi / 315 / 2) + 1e-12
@@ -119,14 +123,14 @@ def test_a_cylinder_may_turn_as_it_likes():
 
 def test_an_axis_beside_the_origin():
     """About x = 100 mm, a half turn takes the origin to 200 mm."""
-    own = symmetry_motions({"symmetries_continuous": [{"axis": [0, 0, 2], "offset": [100, 0, 0]}]}, "x", step=np.pi / 4)
+    own = symmetry_motions({"symmetries_continuous": [{"axis": [0, 0, 2], "offset": [100, 0, 0]}]}, X, step=np.pi / 4)
     assert len(own) == 4
     assert own[:, :3, 3] == pytest.approx(np.array([[0, 0, 0], [0.1, -0.1, 0], [0.2, 0, 0], [0.1, 0.1, 0]]), abs=1e-12)
 
 
 def test_turns_and_a_flip_are_multiplied():
     flip = [1, 0, 0, 0, 0, -1, 0, 0, 0, 0, -1, 0, 0, 0, 0, 1]
-    own = symmetry_motions({"symmetries_discrete": [flip], **ROUND}, "x", step=np.pi / 8)
+    own = symmetry_motions({"symmetries_discrete": [flip], **ROUND}, X, step=np.pi / 8)
     assert len(own) == 16
     assert np.abs(own - np.eye(4)).max(axis=(1, 2)).min() == 0
     estimate = turn(45) @ from_rotation_translation(np.diag([1.0, -1, -1]), np.zeros(3))
@@ -151,7 +155,7 @@ def test_many_points_in_parts_are_the_same():
     """More points and symmetries than are moved in one go: against the definition written out."""
     rng = np.random.default_rng(0)
     points = rng.normal(size=(3000, 3))
-    own = symmetry_motions(ROUND, "x")
+    own = symmetry_motions(ROUND, X)
     a, b = turn(30), pose((0.1, 0, 0, 1), (0.1, 0, 5))
     assert len(points) * len(own) > AT_ONCE
     moved = points @ a[:3, :3].T + a[:3, 3]

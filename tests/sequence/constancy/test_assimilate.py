@@ -12,6 +12,7 @@ import numpy as np
 import pytest
 from console import bytes_in, document, good
 from written_kb import write_kb
+from written_panoramas import EMPTY, NOTHING_ELSE, interpretation_of
 
 from benchmarks.constancy.explained import unexplained_of
 from benchmarks.constancy.scenes import constancy_kb, sequence
@@ -59,15 +60,15 @@ def panorama(moved, constancy, kb):
             "id": view.id,
             "frame": f"{view.id}.json",
             "T_world_camera": view.world_from_camera.tolist(),
-            "interpretation": {
-                "format": "interpretation/1",
-                "camera": camera_to_dict(view.gamma.camera),
-                "appearances": [appearance_to_dict(a) for a in view.gamma.appearances],
-            },
+            "interpretation": interpretation_of(
+                camera_to_dict(view.gamma.camera),
+                [appearance_to_dict(a, described=False) for a in view.gamma.appearances],
+            ),
+            **NOTHING_ELSE,
         }
         for view in moved.views[:3]
     ]
-    head = {"format": "panorama/1", "kb": {"name": kb.name, "digest": kb.digest}, "views": views, "objects": []}
+    head = {**EMPTY, "kb": {"name": kb.name, "digest": kb.digest}, "views": views}
     return head | constancy_document(constancy)
 
 

@@ -7,6 +7,7 @@ import re
 
 import numpy as np
 import pytest
+from written_panoramas import EMPTY, NOTHING_ELSE, interpretation_of
 
 from plogic.base.errors import InputError
 from plogic.sequence.constancy.panorama_reading import MOST_MISTAKES, unknown_of
@@ -21,10 +22,10 @@ def panorama():
             "id": f"v{i}",
             "frame": "f.json",
             "T_world_camera": np.eye(4).tolist(),
-            "interpretation": {
-                "camera": CAMERA,
-                "appearances": [{"id": "a1", "type": "patch", "uv": [1.0, 2.0]}, {"id": "a2", "type": "dot"}],
-            },
+            "interpretation": interpretation_of(
+                CAMERA, [{"id": "a1", "type": "patch", "uv": [1.0, 2.0]}, {"id": "a2", "type": "dot", "uv": [3.0, 4.0]}]
+            ),
+            **NOTHING_ELSE,
         }
         for i in (1, 2)
     ]
@@ -37,7 +38,7 @@ def panorama():
         "data": {"v1": "a1", "v2": "a1"},
     }
     return {
-        "format": "panorama/1",
+        **EMPTY,
         "views": views,
         "unknown": [{"id": "u1", "probability": 0.9, "features": [feature]}],
         "noise": {},
@@ -60,8 +61,8 @@ def test_a_good_one_is_read(tmp_path):
 
 
 MISTAKES = [
-    (lambda p: p.update(format="panorama/2"), "format: input should be 'panorama/1'"),
-    (lambda p: p.pop("views"), "views: field required"),
+    (lambda p: p.update(format="panorama/2"), "format: 'panorama/2' should be 'panorama/1'"),
+    (lambda p: p.pop("views"), "views: is missing: should be a list"),
     (
         lambda p: p["views"][0].update(T_world_camera=[[1, 0, 0, 0]] * 4),
         "views.0.T_world_camera: must be a rigid 4x4 transform",
@@ -70,11 +71,11 @@ MISTAKES = [
     (lambda p: p["views"][0]["interpretation"].update(camera={"width": -3}), "views.0.interpretation.camera"),
     (
         lambda p: p["unknown"][0]["features"][0].update(at=[1, 2]),
-        "unknown.0.features.0.at: list should have at least 3",
+        "unknown.0.features.0.at: a list of 2, and not of 3",
     ),
     (
         lambda p: p["unknown"][0]["features"][0].update(at=[1, 2, 1e300]),
-        "unknown.0.features.0.at.2: input should be less than or equal to",
+        "unknown.0.features.0.at: no number may be above 1e+06 m",
     ),
     (
         lambda p: p["unknown"][0]["features"][0].update(at=[0, 0, 0]),
@@ -82,7 +83,7 @@ MISTAKES = [
     ),
     (
         lambda p: p["unknown"][0]["features"][0].update(data={}),
-        "unknown.0.features.0.data: dictionary should have at least 1",
+        "unknown.0.features.0.data: is empty: should name an appearance by view",
     ),
     (lambda p: p["unknown"][0]["features"][0].update(data={"v9": "a1"}), "unknown.0.features.0.data: 'v9' is no view"),
     (lambda p: p["unknown"][0]["features"][0].update(data={"v1": "a9"}), "'a9' is no appearance of v1"),

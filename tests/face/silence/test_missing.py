@@ -1,0 +1,75 @@
+"""``plogic explain --missing TYPE``: the cause, the data, the best pose, and what it lacked."""
+
+from __future__ import annotations
+
+import json
+
+import pytest
+from in_process import told
+from spoiled_box import TYPE, gamma_file, sight, texts, written
+
+
+@pytest.fixture
+def far(tmp_path):
+    """A knowledge base whose ranges end too soon, and the empty interpretation that it gives."""
+    files = texts()
+    folder = written(tmp_path / "kb", files | {TYPE: files[TYPE].replace("5 m]", "1 m]")})
+    told("perceive", gamma_file(tmp_path, sight()), "--kb", folder, "-o", tmp_path / "out.json")
+    return folder, tmp_path / "out.json"
+
+
+def test_with_the_knowledge_base_the_cause_comes_first_and_the_data_are_counted(far):
+    folder, out = far
+    first, data, attention, poses, *_ = told("explain", out, "--missing", "box", "--kb", folder)
+    assert "7 of 7 corners are farther than their range: 1.5 m, range 1 m" in first
+    assert data == "data: 13 of 13 appearances look like features of it: 10 corner, 3 sticker"
+    assert attention.startswith("attention: rank ")
+    assert poses.startswith("poses: ")
+
+
+def test_without_it_what_the_interpretation_holds(far):
+    _, out = far
+    data, *_ = told("explain", out, "--missing", "box")
+    assert data == "data: 13 appearances; which of them look like box, and the cause, is told with --kb KB"
+
+
+def test_the_best_pose_and_what_it_lacked(tmp_path):
+    """Corners alone of a box, half of them: the pose is tried, and too little of it is there."""
+    document = sight(noise=0)
+    corners = [row for row in document["appearances"] if row["type"] == "corner"]
+    document["appearances"] = [*corners[:4], *(row for row in document["appearances"] if row["type"] == "sticker")][:5]
+    out = tmp_path / "out.json"
+    told("perceive", gamma_file(tmp_path, document), "--kb", "first", "-o", out)
+    (answer,) = told("explain", out, "--missing", "box", "--kb", "first", "--json")
+    found = json.loads(answer)
+    assert (found["format"], found["in_delta"]) == ("missing/1", [])
+    assert found["best"]["detected"] < found["best"]["expected"]
+    assert len(found["best"]["missed"]) >= found["best"]["expected"] - found["best"]["detected"]
+    text = "\n".join(told("explain", out, "--missing", "box", "--kb", "first"))
+    assert "  missed: " in text
+    assert f"  rejected, for: {found['best']['why']}" in text
+
+
+def test_what_was_found_is_said_to_be_there(tmp_path):
+    out = tmp_path / "out.json"
+    told("perceive", gamma_file(tmp_path, sight()), "--kb", "first", "-o", out)
+    first = told("explain", out, "--missing", "box", "--kb", "first")[0]
+    assert first.startswith("h1 is a box: accepted, probability ")
+
+
+@pytest.mark.parametrize(
+    ("arguments", "why"),
+    [
+        (["--missing", "bax"], "bax: no such type in {out}; it tells of: box"),
+        (["--missing", "bax", "--kb", "{kb}"], "bax: no such object type; there are: box"),
+        (["--missing", "box", "--kb", "first"], "{out}: was made with another first than "),
+        ([], "give either a GOAL or --missing TYPE"),
+        (["present(h1)", "--missing", "box"], "give either a GOAL or --missing TYPE"),
+        (["present(h1)", "--kb", "first"], "--kb: only with --missing"),
+        (["--missing", "box", "-n", "2"], "--missing takes --kb, --digits and --json alone"),
+    ],
+)
+def test_what_cannot_be_asked_says_why(far, arguments, why):
+    folder, out = far
+    last = told("explain", out, *(text.format(kb=folder) for text in arguments))[-1]
+    assert why.format(out=out) in last
