@@ -142,7 +142,7 @@ CAUSES = {
         "none of the 10 appearances is of a type that box looks like",
     ),
     "too few data": (texts, few, "only 3 appearances"),
-    "a focal length of another camera": (speckled, lambda: with_k(4.0), "focal length"),
+    "a focal length of another camera": (speckled, lambda: with_k(3.0), "focal length"),
     "a mirrored picture": (speckled, lambda: moved(lambda u, v: [639.0 - u, v], of_speckled(0.6)), "mirror"),
     "angles by another convention": (lambda: ANGLES, with_angles, "angle"),
     "data beyond the tolerance": (
