@@ -28,9 +28,14 @@ def image_of(source: str, camera: str | None) -> NDArray[Any]:
     """The picture (H, W, 3), BGR; without a camera file it has no geometry. Raises InputError or ImageError."""
     from sensing.files.images import read_image
 
+    with_camera(source, camera)
+    return read_image(source)
+
+
+def with_camera(source: str, camera: str | None) -> None:
+    """Raise InputError where a picture's camera is not given."""
     if camera is None:
         raise InputError(f"{source}: an image needs its camera: give --camera FILE (ours, ROS, OpenCV, BOP or COLMAP)")
-    return read_image(source)
 
 
 def gamma_of(

@@ -38,7 +38,7 @@ def batch_command(inputs: Sequence[str], settings: Settings, options: Batching, 
     check_out([] if out == "-" else [Path(out), *([beside] if beside is not None else [])], resume=options.resume)
     if settings.camera is not None:  # every picture would say what is wrong with it
         read_camera(checked(settings.camera))
-    frames = frames_of(inputs, listed)
+    frames = frames_of(inputs, listed, options.every)
     with ending_well():
         engine = _engine(settings, options)
         try:

@@ -1,5 +1,6 @@
 """One frame after the other, in a process that has read the knowledge base once."""
 
+from pathlib import Path
 from time import monotonic
 from typing import Any
 
@@ -11,9 +12,20 @@ from plogic.base.errors import InputError
 from plogic.cycle.delta import Options
 from plogic.facts.document import Interpretation
 from plogic.run.batch.frame_lines import Lines
-from plogic.run.batch.frames import Frame, Settings, camera_of, checked, digest_of, scene_and_image, scene_at
+from plogic.run.batch.frames import (
+    Frame,
+    Settings,
+    camera_of,
+    checked,
+    digest_of,
+    number_in_video,
+    scene_and_image,
+    scene_at,
+    version_of,
+)
 from plogic.run.perceive import perceiver_of
-from plogic.run.sources import detected, gamma_of, image_of, kb_of
+from plogic.run.sources import detected, gamma_of, image_of, kb_of, with_camera
+from plogic.run.video.video import frame_at
 from sensing.appearance import Gamma
 
 CHANGED = "changed while it was read"
@@ -67,9 +79,15 @@ class Worker:
             scene, image = scene_and_image(frame)
             shot = scene_at(frame.at, scene).frame(image)
             return detected(shot.image, shot.camera, kb, clock), shot.image
-        camera = camera_of(frame, self.settings.camera) if frame.kind == "image" else None
+        camera = camera_of(frame, self.settings.camera) if frame.kind != "gamma" else None
         for path in (frame.input, *([camera] if camera is not None else [])):
             checked(path)
-        return gamma_of(
-            frame.input, image_of(frame.input, camera) if frame.kind == "image" else None, camera, kb, clock
-        )
+        return gamma_of(frame.name, self._picture(frame, camera), camera, kb, clock)
+
+    def _picture(self, frame: Frame, camera: str | None) -> NDArray[Any] | None:
+        if frame.kind == "gamma":
+            return None
+        if frame.kind == "image":
+            return image_of(frame.input, camera)
+        with_camera(frame.input, camera)
+        return frame_at(frame.input, version_of(Path(frame.input)), number_in_video(frame))
