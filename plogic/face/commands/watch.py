@@ -1,5 +1,6 @@
 """``plogic watch``: frames as they come, a line of JSON each."""
 
+import os
 import sys
 from contextlib import closing
 from itertools import islice
@@ -33,13 +34,14 @@ def watch_command(source: str, settings: Settings, options: Watching) -> int:
     Raises:
         PlogicError: What is wrong with KB, camera or source; the lines of the frames before it are written.
     """
-    check_places([place for place in (options.picture, _in(options.pictures, "frame.png")) if place is not None])
+    check_places([] if options.picture is None else [options.picture])
     if settings.camera is None:
         raise InputError(f"{name_of(source)}: frames need their camera: give --camera FILE")
     camera = read_camera(settings.camera)
     watcher = Watcher(settings, source, camera, short=options.short)
     for line in beforehand(watcher.perceiver.kb, settings.kb):
         say(line)
+    _make(options.pictures)
     out, told = Log("standard output", sys.stdout.buffer), Told()
     size = camera.width, camera.height
     with ending_well(), closing(told), moments_of(source, options.every, size, newest=options.newest) as moments:
@@ -47,11 +49,16 @@ def watch_command(source: str, settings: Settings, options: Watching) -> int:
             for moment in islice(moments, options.limit):
                 begun, name = monotonic(), frame_name(_stem(source), moment.number)
                 seen = watcher(moment, name)
-                out.write(seen.line)
                 _draw(seen, moment, name, options)
                 told.frame(moment, seen, name, monotonic() - begun)
-        except KeyboardInterrupt:
+                out.write(seen.line)
+        except BrokenPipeError:  # who reads has enough
+            os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+            return told.status
+        except (KeyboardInterrupt, SystemExit) as end:
             told.say(f"stopped: {told.summary()}")
+            if isinstance(end, SystemExit):
+                raise
             return BAD
     if not told.frames:
         raise InputError(f"{name_of(source)}: has no frame")
@@ -67,6 +74,15 @@ def _stem(source: str) -> str:
 
 def _in(folder: Path | None, name: str) -> Path | None:
     return None if folder is None else folder / name
+
+
+def _make(folder: Path | None) -> None:
+    """Make the folder of pictures, if it is not there. Raises InputError."""
+    try:
+        if folder is not None:
+            folder.mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        raise InputError(f"{folder}: cannot be made: {error.strerror}") from None
 
 
 def _draw(seen: Seen, moment: Moment, name: str, options: Watching) -> None:
