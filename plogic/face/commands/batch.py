@@ -11,7 +11,6 @@ from time import monotonic
 
 import click
 
-from geometry.files.camera_files import read_camera
 from plogic.base.children import ending_well
 from plogic.face.shown.options import Batching
 from plogic.face.shown.progress import Progress
@@ -20,6 +19,7 @@ from plogic.run.batch.frames import Frame, Settings, checked, frames_of
 from plogic.run.batch.frames_run import Engine, Waiting, run, waiting_beside
 from plogic.run.batch.log import Log, check_out, check_same, left_over, log_at
 from plogic.run.batch.pool import Pool
+from plogic.run.cameras import read_given
 
 BAD, LATE = 1, 3
 """Exit statuses: a frame could not be perceived; the deadline cut one short."""
@@ -36,8 +36,9 @@ def batch_command(inputs: Sequence[str], settings: Settings, options: Batching, 
     out = options.out
     beside = waiting_beside(out)
     check_out([] if out == "-" else [Path(out), *([beside] if beside is not None else [])], resume=options.resume)
-    if settings.camera is not None:  # every picture would say what is wrong with it
-        read_camera(checked(settings.camera))
+    for path in settings.camera.files():  # every picture would say what is wrong with it
+        checked(path)
+        read_given(str(settings.camera.file))
     frames = frames_of(inputs, listed)
     with ending_well():
         engine = _engine(settings, options)

@@ -12,8 +12,9 @@ from plogic.cycle.delta import Options
 from plogic.facts.document import Interpretation
 from plogic.run.batch.frame_lines import Lines
 from plogic.run.batch.frames import Frame, Settings, camera_of, checked, digest_of, scene_and_image, scene_at
+from plogic.run.cameras import shot_of
 from plogic.run.perceive import perceiver_of
-from plogic.run.sources import detected, gamma_of, image_of, kb_of
+from plogic.run.sources import detected, gamma_of, kb_of
 from sensing.appearance import Gamma
 
 CHANGED = "changed while it was read"
@@ -67,9 +68,10 @@ class Worker:
             scene, image = scene_and_image(frame)
             shot = scene_at(frame.at, scene).frame(image)
             return detected(shot.image, shot.camera, kb, clock), shot.image
-        camera = camera_of(frame, self.settings.camera) if frame.kind == "image" else None
-        for path in (frame.input, *([camera] if camera is not None else [])):
+        checked(frame.input)
+        if frame.kind == "gamma":
+            return gamma_of(frame.input, None, kb, clock)
+        camera = camera_of(frame, self.settings.camera)
+        for path in camera.files():
             checked(path)
-        return gamma_of(
-            frame.input, image_of(frame.input, camera) if frame.kind == "image" else None, camera, kb, clock
-        )
+        return gamma_of(frame.input, shot_of(frame.input, camera), kb, clock)
