@@ -8,12 +8,12 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
 
-from numpy.typing import NDArray
-
 from geometry.files.plain_files import is_there
 from plogic.base.errors import InputError
 
 if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
     from geometry.camera import Camera
     from sensing.files.exif import Exif
 
@@ -81,7 +81,7 @@ class Shot(NamedTuple):
     ``notes``: what is guessed or doubtful of the camera, a line each, to be said after the picture's name.
     """
 
-    image: NDArray[Any]
+    image: "NDArray[Any]"
     camera: "Camera"
     notes: tuple[str, ...] = ()
 
@@ -118,7 +118,7 @@ def shot_of(source: str, given: GivenCamera, ways: str = WAYS) -> Shot:
 
 
 def shot_with(
-    image: NDArray[Any], given: GivenCamera, source: str, exif: "Exif | None" = None, ways: str = WAYS
+    image: "NDArray[Any]", given: GivenCamera, source: str, exif: "Exif | None" = None, ways: str = WAYS
 ) -> Shot:
     """A picture (H, W, 3) that was read from ``source``, with its camera; ``exif`` where the file has such.
 
@@ -136,7 +136,7 @@ def shot_with(
     return Shot(image, camera, (*_turned(exif, size), *_contradicted(camera, exif, given)))
 
 
-def sized(camera: "Camera", image: NDArray[Any], named: str, source: str) -> "Camera":
+def sized(camera: "Camera", image: "NDArray[Any]", named: str, source: str) -> "Camera":
     """The camera itself. Raises InputError where the picture (H, W, 3), from ``source``, is of another size."""
     size = image.shape[1], image.shape[0]
     if (camera.width, camera.height) != size:

@@ -61,13 +61,13 @@ def test_the_hash_is_that_of_the_bytes_themselves(worker, folder):
 
 @pytest.mark.parametrize("content", [json.dumps(gamma(2)), "torn"])
 def test_what_changes_while_it_is_read_is_a_bad_frame(worker, folder, monkeypatch, content):
-    data = worker._data
+    shot = worker._shot
 
     def slow(*args):
         (folder / "g.json").write_text(content)
-        return data(*args)
+        return shot(*args)
 
-    monkeypatch.setattr(worker, "_data", slow)
+    monkeypatch.setattr(worker, "_shot", slow)
     status, line = worker(Frame("g.json", None, "gamma"))
     row = json.loads(line)
     assert (status, row["error"], row["sha256"]) == ("error", "changed while it was read", None)
