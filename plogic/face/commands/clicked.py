@@ -28,6 +28,7 @@ from plogic.face.shown.options import (
     Number,
     Scoring,
     Watching,
+    camera_options,
     emit,
     say,
 )
@@ -113,7 +114,7 @@ def batch(inputs: tuple[str, ...], kb_folder: str, **options: Any) -> None:  # n
 @click.command(context_settings=HELP)
 @click.argument("source", metavar="CAMERA|FILE|-")
 @KB
-@CAMERA
+@camera_options("A stream tells none: one of these is needed.")
 @click.option("--every", type=click.IntRange(1), default=1, show_default=True, help="Take each so many-th frame.")
 @click.option("--limit", type=click.IntRange(1), metavar="FRAMES", help="Stop after so many.")
 @click.option("--newest", is_flag=True, help="Of a stream too, skip to the newest frame when frames come too fast.")
@@ -127,14 +128,13 @@ def batch(inputs: tuple[str, ...], kb_folder: str, **options: Any) -> None:  # n
 @SMOOTHING
 @BEST_BY
 def watch(source: str, kb_folder: str, **options: Any) -> None:  # noqa: ANN401 - click's
-    r"""Interpret frames as they come: one line of JSON each, until they end, or Ctrl-C.
+    """Interpret frames as they come: one line of JSON each, until they end, or Ctrl-C.
 
     A camera is a number, as of /dev/video0: its newest frame is taken, and what was skipped meanwhile is told. FILE is
     a video, or pictures in a row, as `-` is on stdin (JPEG, PNG, PNM). Of these no frame is skipped without --newest,
     and the same input gives the same bytes.
 
-    \b
-    ffmpeg -i INPUT -r 2 -f image2pipe -c:v ppm - | plogic watch - --kb KB --camera FILE
+    Anything else goes through a pipe: `ffmpeg -i INPUT -r 2 -f image2pipe -c:v ppm - | plogic watch - ...`.
 
     A line is an interpretation, as `perceive` writes it, with the key `moment`: the frame's number in the stream, its
     time in seconds (null for pictures on stdin), and how many were skipped just before it. A bad frame is a frame/1

@@ -26,9 +26,10 @@ from plogic.face.shown.options import Perceiving, written
 from plogic.facts.document import HypothesisRow, Interpretation, RejectedRow
 from plogic.facts.interpretation import text_of
 from plogic.facts.situation import stopped_in
+from plogic.run.cameras import GivenCamera, Shot, shot_of, shot_with, sized
 from plogic.run.perceive import perceiver_of
 from plogic.run.silence.beforehand import beforehand
-from plogic.run.sources import detected, gamma_of, image_of, is_gamma, kb_of, sized, with_camera
+from plogic.run.sources import detected, gamma_of, is_gamma, kb_of
 from plogic.run.video.video import is_video
 from plogic.run.video.views import Input, views_in
 from plogic.scene.readings.unfinished import REASONS
@@ -69,8 +70,10 @@ def _of_one(source: str, options: Perceiving, say: Say, write: Say) -> int:
     check_places(_places(options))
     with clock.stage("read"):
         kb = kb_of(options.kb)
-        picture = None if is_gamma(source) else image_of(source, options.camera)
-    gamma, image = gamma_of(source, picture, options.camera, kb, clock)
+        shot = None if is_gamma(source) else shot_of(source, options.camera)
+    for note in shot.notes if shot else ():
+        say(f"{source}: {note}")
+    gamma, image = gamma_of(source, shot, kb, clock)
     _tell_of(kb, options.kb, say)
     with clock.stage("index"):
         perceiver = perceiver_of(kb, options.generator)
@@ -264,13 +267,19 @@ def _of_sequence(inputs: Sequence[str], options: Perceiving, say: Say, write: Sa
 
 
 def _looks(
-    panorama: "Panorama", frames: Sequence[Input], poses: Sequence[Placed | None], camera: str | None, say: Say
+    panorama: "Panorama", frames: Sequence[Input], poses: Sequence[Placed | None], camera: GivenCamera, say: Say
 ) -> "tuple[list[tuple[str, Look]], PlogicError | None]":
     """Frame after frame, up to one that cannot be used, and what is wrong with that; raised where it is the first."""
     looks: list[tuple[str, Look]] = []
+    told = set[str]()  # notes of a camera: what is true of many frames is said of the first
     for number, (frame, pose) in enumerate(zip(frames, poses, strict=True), 1):
         try:
-            look = _looked(panorama, frame, pose, number, camera)
+            shot = _shot(frame, camera)
+            for note in shot.notes if shot else ():
+                if note not in told:
+                    say(f"{frame.name}: {note}")
+                    told.add(note)
+            look = _looked(panorama, frame, shot, pose, number)
         except PlogicError as error:
             if not looks:
                 raise
@@ -312,10 +321,10 @@ def _named(frame: str, poses: Sequence[Placed]) -> Placed | None:
     return max(fit, key=lambda pair: pair[0])[1] if fit else None
 
 
-def _looked(panorama: "Panorama", frame: Input, placed: Placed | None, number: int, camera: str | None) -> "Look":
+def _looked(panorama: "Panorama", frame: Input, shot: Shot | None, placed: Placed | None, number: int) -> "Look":
     from plogic.sequence.constancy.sight_lines import View
 
-    gamma, image = gamma_of(frame.name, _picture(frame, camera), camera, panorama.perceiver.kb, Stopwatch())
+    gamma, image = gamma_of(frame.name, shot, panorama.perceiver.kb, Stopwatch())
     pose = gamma.camera.world_from_camera if placed is None else placed.world_from_camera
     if pose is None:
         alone = f"; or take each frame by itself: plogic batch {frame.video}" if frame.video is not None else ""
@@ -326,13 +335,11 @@ def _looked(panorama: "Panorama", frame: Input, placed: Placed | None, number: i
     return panorama.look(View(f"v{number}", there, pose), image)
 
 
-def _picture(frame: Input, camera: str | None) -> NDArray[Any] | None:
-    if is_gamma(frame.name):
-        return None
-    if frame.video is None:
-        return image_of(frame.name, camera)
-    with_camera(frame.name, camera)
-    return frame.pixels()
+def _shot(frame: Input, camera: GivenCamera) -> Shot | None:
+    """The picture of a frame with its camera; None of a Γ."""
+    if frame.video is not None:
+        return shot_with(frame.pixels(), camera, frame.name)
+    return None if is_gamma(frame.name) else shot_of(frame.name, camera)
 
 
 def _line(frame: str, look: "Look", panorama: "Panorama") -> str:

@@ -2,13 +2,13 @@
 
 import os
 import sys
-from contextlib import closing
+from contextlib import closing, suppress
 from itertools import islice
 from pathlib import Path
 from statistics import median
 from time import monotonic
 
-from geometry.files.camera_files import read_camera
+from geometry.errors import CameraError
 from geometry.files.plain_files import name_of
 from plogic.base.children import ending_well
 from plogic.base.errors import InputError
@@ -18,6 +18,7 @@ from plogic.face.shown.progress import Progress
 from plogic.run.batch.frame_lines import ERROR, UNFINISHED
 from plogic.run.batch.frames import Settings
 from plogic.run.batch.log import Log
+from plogic.run.cameras import GivenCamera, read_given
 from plogic.run.silence.beforehand import beforehand
 from plogic.run.video.video import frame_name
 from plogic.run.watch.moments import Moment, device_number, moments_of
@@ -35,20 +36,19 @@ def watch_command(source: str, settings: Settings, options: Watching) -> int:
         PlogicError: What is wrong with KB, camera or source; the lines of the frames before it are written.
     """
     check_places([] if options.picture is None else [options.picture])
-    if settings.camera is None:
-        raise InputError(f"{name_of(source)}: frames need their camera: give --camera FILE")
-    camera = read_camera(settings.camera)
-    watcher = Watcher(settings, source, camera, short=options.short)
+    watcher = Watcher(settings, source, short=options.short)
     for line in beforehand(watcher.perceiver.kb, settings.kb):
         say(line)
     _make(options.pictures)
     out, told = Log("standard output", sys.stdout.buffer), Told()
-    size = camera.width, camera.height
+    size = None if device_number(source) is None else _size(settings.camera)
     with ending_well(), closing(told), moments_of(source, options.every, size, newest=options.newest) as moments:
         try:
             for moment in islice(moments, options.limit):
                 begun, name = monotonic(), frame_name(_stem(source), moment.number)
                 seen = watcher(moment, name)
+                for note in () if told.frames else watcher.notes:
+                    told.say(f"{name_of(source)}: {note}")
                 _draw(seen, moment, name, options)
                 told.frame(moment, seen, name, monotonic() - begun)
                 out.write(seen.line)
@@ -64,6 +64,15 @@ def watch_command(source: str, settings: Settings, options: Watching) -> int:
         raise InputError(f"{name_of(source)}: has no frame")
     told.say(told.summary())
     return told.status
+
+
+def _size(given: GivenCamera) -> tuple[int, int] | None:
+    """The size of frames that a camera file tells; None where it tells none, or cannot be read, as will be said."""
+    if given.file is not None:
+        with suppress(CameraError):
+            camera = read_given(given.file)
+            return camera.width, camera.height
+    return None
 
 
 def _stem(source: str) -> str:

@@ -13,6 +13,7 @@ where a worker was given up on it is of the files as they were then.
 """
 
 import json
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Annotated, Final, Literal, NotRequired, TypedDict
 
@@ -87,13 +88,21 @@ class WrongLine(Head, ErrorBody):
     status: Annotated[Literal["error"], "That nothing could be perceived."]
 
 
-class FullLine(Head, FullBody):
+class Noted(TypedDict):
+    """What people should know of a frame."""
+
+    notes: NotRequired[
+        Annotated[list[str], "What is guessed or doubtful of the picture's camera; left out where nothing is."]
+    ]
+
+
+class FullLine(Head, FullBody, Noted):
     """A frame with its whole interpretation (``--full``)."""
 
     status: Annotated[Literal["done", "unfinished"], "Whether a deadline left something open."]
 
 
-class ShortLine(Head, ShortBody):
+class ShortLine(Head, ShortBody, Noted):
     """A frame in short."""
 
     status: Annotated[Literal["done", "unfinished"], "Whether a deadline left something open."]
@@ -110,7 +119,13 @@ class Lines:
     kb: KBRow
 
     def perceived(
-        self, frame: Frame, document: Interpretation, sha256: str | None, moment: MomentRow | None = None
+        self,
+        frame: Frame,
+        document: Interpretation,
+        sha256: str | None,
+        notes: Sequence[str] = (),
+        *,
+        moment: MomentRow | None = None,
     ) -> tuple[str, bytes]:
         """Status and line of a frame with its interpretation.
 
@@ -118,12 +133,13 @@ class Lines:
         """
         status: Literal["done", "unfinished"] = "unfinished" if document.get("unfinished") else "done"
         head = self._head(frame, sha256, moment)
+        noted: Noted = {"notes": [*notes]} if notes else {}
         if self.settings.full:
-            return status, _line({**head, "status": status, "interpretation": document})
-        return status, _line({**head, "status": status, **short(document, self.settings.worlds)})
+            return status, _line({**head, "status": status, **noted, "interpretation": document})
+        return status, _line({**head, "status": status, **noted, **short(document, self.settings.worlds)})
 
     def wrong(
-        self, frame: Frame, message: str, sha256: str | None, moment: MomentRow | None = None
+        self, frame: Frame, message: str, sha256: str | None, *, moment: MomentRow | None = None
     ) -> tuple[str, bytes]:
         """Status and line of a bad frame."""
         return ERROR, _line({**self._head(frame, sha256, moment), "status": "error", "error": message})

@@ -2,9 +2,6 @@
 
 from pathlib import Path
 from time import monotonic
-from typing import Any
-
-from numpy.typing import NDArray
 
 from geometry.errors import PlogicError
 from plogic.base.clock import Stopwatch
@@ -23,10 +20,10 @@ from plogic.run.batch.frames import (
     scene_at,
     version_of,
 )
+from plogic.run.cameras import Shot, shot_of, shot_with
 from plogic.run.perceive import perceiver_of
-from plogic.run.sources import detected, gamma_of, image_of, kb_of, with_camera
+from plogic.run.sources import gamma_of, kb_of
 from plogic.run.video.video import frame_at
-from sensing.appearance import Gamma
 
 CHANGED = "changed while it was read"
 """What is wrong with a frame whose bytes before and after are not the same."""
@@ -47,7 +44,8 @@ class Worker:
         """Status and line of one frame; raises nothing."""
         sha256 = self._digest(frame)
         try:
-            return self.lines.perceived(frame, self._document(frame, sha256), sha256)
+            document, notes = self._document(frame, sha256)
+            return self.lines.perceived(frame, document, sha256, notes)
         except PlogicError as error:
             what = str(error)
         except MemoryError:
@@ -63,31 +61,32 @@ class Worker:
     def _digest(self, frame: Frame) -> str | None:
         return digest_of(frame, self.settings.camera)
 
-    def _document(self, frame: Frame, sha256: str | None) -> Interpretation:
+    def _document(self, frame: Frame, sha256: str | None) -> tuple[Interpretation, tuple[str, ...]]:
+        """The interpretation, and what is to be noted of the camera."""
         clock, chosen = Stopwatch(), self.settings
-        gamma, image = self._data(frame, clock)
+        shot = self._shot(frame)
+        gamma, image = gamma_of(frame.input, shot, self.perceiver.kb, clock)
         if self._digest(frame) != sha256:
             raise InputError(CHANGED)
         end = monotonic() + chosen.deadline if chosen.deadline is not None else None
-        return self.perceiver(gamma, Options(chosen.reading, chosen.reconsider, chosen.smoothing, end), image, clock)
+        options = Options(chosen.reading, chosen.reconsider, chosen.smoothing, end)
+        return self.perceiver(gamma, options, image, clock), shot.notes if shot else ()
 
-    def _data(self, frame: Frame, clock: Stopwatch) -> tuple[Gamma, NDArray[Any] | None]:
-        kb = self.perceiver.kb
+    def _shot(self, frame: Frame) -> Shot | None:
+        """The picture of a frame with its camera; None of a Γ."""
         if frame.kind == "lost":
             raise InputError(frame.at)
         if frame.kind == "bop":
             scene, image = scene_and_image(frame)
             shot = scene_at(frame.at, scene).frame(image)
-            return detected(shot.image, shot.camera, kb, clock), shot.image
-        camera = camera_of(frame, self.settings.camera) if frame.kind != "gamma" else None
-        for path in (frame.input, *([camera] if camera is not None else [])):
-            checked(path)
-        return gamma_of(frame.name, self._picture(frame, camera), camera, kb, clock)
-
-    def _picture(self, frame: Frame, camera: str | None) -> NDArray[Any] | None:
+            return Shot(shot.image, shot.camera)
+        checked(frame.input)
         if frame.kind == "gamma":
             return None
-        if frame.kind == "image":
-            return image_of(frame.input, camera)
-        with_camera(frame.input, camera)
-        return frame_at(frame.input, version_of(Path(frame.input)), number_in_video(frame))
+        camera = camera_of(frame, self.settings.camera)
+        for path in camera.files():
+            checked(path)
+        if frame.kind == "video":
+            pixels = frame_at(frame.input, version_of(Path(frame.input)), number_in_video(frame))
+            return shot_with(pixels, camera, frame.name)
+        return shot_of(frame.input, camera)
