@@ -24,9 +24,10 @@ from plogic.face.shown.options import Perceiving, written
 from plogic.facts.document import HypothesisRow, Interpretation, RejectedRow
 from plogic.facts.interpretation import text_of
 from plogic.facts.situation import stopped_in
+from plogic.run.cameras import GivenCamera, Shot, shot_of, sized
 from plogic.run.perceive import perceiver_of
 from plogic.run.silence.beforehand import beforehand
-from plogic.run.sources import detected, gamma_of, image_of, is_gamma, kb_of, sized
+from plogic.run.sources import detected, gamma_of, is_gamma, kb_of
 from plogic.scene.readings.unfinished import REASONS
 from plogic.scene.worlds.predictions import Doubt, said
 from plogic.sequence.unposed.reading import doubts_weighed
@@ -65,8 +66,10 @@ def _of_one(source: str, options: Perceiving, say: Say, write: Say) -> int:
     check_places(_places(options))
     with clock.stage("read"):
         kb = kb_of(options.kb)
-        picture = None if is_gamma(source) else image_of(source, options.camera)
-    gamma, image = gamma_of(source, picture, options.camera, kb, clock)
+        shot = None if is_gamma(source) else shot_of(source, options.camera)
+    for note in shot.notes if shot else ():
+        say(f"{source}: {note}")
+    gamma, image = gamma_of(source, shot, kb, clock)
     _tell_of(kb, options.kb, say)
     with clock.stage("index"):
         perceiver = perceiver_of(kb, options.generator)
@@ -255,13 +258,19 @@ def _of_sequence(frames: Sequence[str], options: Perceiving, say: Say, write: Sa
 
 
 def _looks(
-    panorama: "Panorama", frames: Sequence[str], poses: Sequence[Placed | None], camera: str | None, say: Say
+    panorama: "Panorama", frames: Sequence[str], poses: Sequence[Placed | None], camera: GivenCamera, say: Say
 ) -> "tuple[list[tuple[str, Look]], PlogicError | None]":
     """Frame after frame, up to one that cannot be used, and what is wrong with that; raised where it is the first."""
     looks: list[tuple[str, Look]] = []
+    told = set[str]()  # notes of a camera: what is true of many frames is said of the first
     for number, (frame, pose) in enumerate(zip(frames, poses, strict=True), 1):
         try:
-            look = _looked(panorama, frame, pose, number, camera)
+            shot = None if is_gamma(frame) else shot_of(frame, camera)
+            for note in shot.notes if shot else ():
+                if note not in told:
+                    say(f"{frame}: {note}")
+                    told.add(note)
+            look = _looked(panorama, frame, shot, pose, number)
         except PlogicError as error:
             if not looks:
                 raise
@@ -303,11 +312,10 @@ def _named(frame: str, poses: Sequence[Placed]) -> Placed | None:
     return max(fit, key=lambda pair: pair[0])[1] if fit else None
 
 
-def _looked(panorama: "Panorama", frame: str, placed: Placed | None, number: int, camera: str | None) -> "Look":
+def _looked(panorama: "Panorama", frame: str, shot: Shot | None, placed: Placed | None, number: int) -> "Look":
     from plogic.sequence.constancy.sight_lines import View
 
-    picture = None if is_gamma(frame) else image_of(frame, camera)
-    gamma, image = gamma_of(frame, picture, camera, panorama.perceiver.kb, Stopwatch())
+    gamma, image = gamma_of(frame, shot, panorama.perceiver.kb, Stopwatch())
     pose = gamma.camera.world_from_camera if placed is None else placed.world_from_camera
     if pose is None:
         raise InputError(

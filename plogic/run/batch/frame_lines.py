@@ -13,6 +13,7 @@ where a worker was given up on it is of the files as they were then.
 """
 
 import json
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Annotated, Final, Literal, NotRequired, TypedDict
 
@@ -83,13 +84,21 @@ class WrongLine(Head, ErrorBody):
     status: Annotated[Literal["error"], "That nothing could be perceived."]
 
 
-class FullLine(Head, FullBody):
+class Noted(TypedDict):
+    """What people should know of a frame."""
+
+    notes: NotRequired[
+        Annotated[list[str], "What is guessed or doubtful of the picture's camera; left out where nothing is."]
+    ]
+
+
+class FullLine(Head, FullBody, Noted):
     """A frame with its whole interpretation (``--full``)."""
 
     status: Annotated[Literal["done", "unfinished"], "Whether a deadline left something open."]
 
 
-class ShortLine(Head, ShortBody):
+class ShortLine(Head, ShortBody, Noted):
     """A frame in short."""
 
     status: Annotated[Literal["done", "unfinished"], "Whether a deadline left something open."]
@@ -105,13 +114,16 @@ class Lines:
     settings: Settings
     kb: KBRow
 
-    def perceived(self, frame: Frame, document: Interpretation, sha256: str | None) -> tuple[str, bytes]:
+    def perceived(
+        self, frame: Frame, document: Interpretation, sha256: str | None, notes: Sequence[str] = ()
+    ) -> tuple[str, bytes]:
         """Status and line of a frame with its interpretation; ``sha256`` is of what was read."""
         status: Literal["done", "unfinished"] = "unfinished" if document.get("unfinished") else "done"
         head = self._head(frame, sha256)
+        noted: Noted = {"notes": [*notes]} if notes else {}
         if self.settings.full:
-            return status, _line({**head, "status": status, "interpretation": document})
-        return status, _line({**head, "status": status, **short(document, self.settings.worlds)})
+            return status, _line({**head, "status": status, **noted, "interpretation": document})
+        return status, _line({**head, "status": status, **noted, **short(document, self.settings.worlds)})
 
     def wrong(self, frame: Frame, message: str, sha256: str | None) -> tuple[str, bytes]:
         """Status and line of a bad frame."""

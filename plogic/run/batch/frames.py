@@ -13,16 +13,17 @@ import hashlib
 import json
 import os
 from collections import deque
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import lru_cache
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Literal, NotRequired, TypedDict
+from typing import TYPE_CHECKING, Annotated, Any, Literal, NotRequired, TypedDict
 
 from geometry.errors import PlogicError
 from geometry.files.plain_files import IS_FOLDER, IS_MISSING, fault_of, is_there
 from plogic.base.errors import InputError
 from plogic.facts.situation import Reading, Reconsider
+from plogic.run.cameras import NOTHING_GIVEN, GivenCamera
 
 if TYPE_CHECKING:
     from plogic.run.bop.dataset import Scene
@@ -63,25 +64,33 @@ class SettingsRow(TypedDict):
     deadline: Annotated[float | None, "Seconds that a frame may take; null: as long as it takes."]
     full: NotRequired[Annotated[bool, "Whether lines have whole interpretations."]]
     worlds: NotRequired[Annotated[int, "How many worlds a line lists."]]
+    fov: NotRequired[Annotated[float, "Field of view across pictures, degrees, where it was given."]]
+    fov_diagonal: NotRequired[Annotated[float, "Field of view from corner to corner, degrees, where it was given."]]
+    focal: NotRequired[Annotated[float, "Focal length of pictures, pixels, where it was given."]]
 
 
 @dataclass(frozen=True, slots=True)
 class Settings:
     """What decides a frame's line besides the frame.
 
-    The KB, the camera of pictures that have none beside them, and the options.
+    The KB, the camera that was given for all pictures, and the options.
 
     ``worlds``: as many are listed; ``full``: the whole interpretation is.
     """
 
     kb: str
-    camera: str | None = None
+    camera: GivenCamera = NOTHING_GIVEN
     reading: Reading = "score"
     reconsider: Reconsider = "to_B"
     smoothing: float = 0.0
     deadline: float | None = None
     worlds: int = 10
     full: bool = False
+
+    @classmethod
+    def of(cls, row: Mapping[str, Any]) -> "Settings":
+        """The settings that ``dataclasses.asdict`` made a row of, for another process."""
+        return cls(**{**row, "camera": GivenCamera(**row["camera"])})
 
     def document(self) -> SettingsRow:
         """The options as every line tells them."""
@@ -91,24 +100,26 @@ class Settings:
             "smoothing": self.smoothing,
             "deadline": self.deadline,
         }
+        if self.camera.fov is not None:
+            chosen["fov"] = self.camera.fov
+        if self.camera.fov_diagonal is not None:
+            chosen["fov_diagonal"] = self.camera.fov_diagonal
+        if self.camera.focal is not None:
+            chosen["focal"] = self.camera.focal
         return {**chosen, "full": True} if self.full else {**chosen, "worlds": self.worlds}
 
 
-def camera_of(frame: Frame, camera: str | None) -> str | None:
-    """The camera file of a picture: the one that was given for all, else ``camera.json`` beside it.
-
-    None where there is neither.
-    """
+def camera_of(frame: Frame, camera: GivenCamera) -> GivenCamera:
+    """The camera of a picture: the one that was given for all, else ``camera.json`` beside it; else none."""
     beside = Path(frame.input).parent / "camera.json"
-    return camera if camera is not None or not is_there(beside) else str(beside)
+    return camera if camera != NOTHING_GIVEN or not is_there(beside) else GivenCamera(str(beside))
 
 
-def checked(path: str) -> str:
-    """The path of a plain file that may be read: a pipe would never end. Raises InputError for anything else."""
+def checked(path: str | Path) -> None:
+    """Raise InputError for what is no plain file that may be read: a pipe would never end."""
     fault = fault_of(Path(path))
     if fault is not None:
         raise InputError(f"{path}: {fault}")
-    return path
 
 
 def scene_and_image(frame: Frame) -> tuple[int, int]:
@@ -133,7 +144,7 @@ def _scene(folder: str, number: int, _version: tuple[int, ...]) -> "Scene":
     return Scene(Path(folder), number)
 
 
-def digest_of(frame: Frame, camera: str | None, *, nested: bool = False) -> str | None:
+def digest_of(frame: Frame, camera: GivenCamera, *, nested: bool = False) -> str | None:
     """SHA-256 (hexadecimal) of all that a frame's line is made of, its camera too.
 
     None where some of it cannot be read.
@@ -152,7 +163,7 @@ def digest_of(frame: Frame, camera: str | None, *, nested: bool = False) -> str 
     return total.hexdigest()
 
 
-def _parts(frame: Frame, camera: str | None) -> list[Path | str]:
+def _parts(frame: Frame, camera: GivenCamera) -> list[Path | str]:
     """Files, and what is text."""
     if frame.kind == "lost":
         return [frame.at]
@@ -163,8 +174,7 @@ def _parts(frame: Frame, camera: str | None) -> list[Path | str]:
             return [read.picture(image), json.dumps(read.cameras[image], sort_keys=True)]
         except (PlogicError, KeyError) as error:
             raise ValueError(frame.frame) from error
-    with_camera = camera_of(frame, camera) if frame.kind == "image" else None
-    return [Path(frame.input), *([Path(with_camera)] if with_camera is not None else [])]
+    return [Path(frame.input), *(camera_of(frame, camera).files() if frame.kind == "image" else [])]
 
 
 def _pieces(path: Path) -> Iterator[bytes]:
