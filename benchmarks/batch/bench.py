@@ -84,11 +84,12 @@ def one_at_a_time(folder: Path, say: Say) -> Done:
     from plogic.face.commands.perceive import perceive_command
     from plogic.face.shown.options import Perceiving
     from plogic.run.batch.frames import camera_of, frames_of
+    from plogic.run.cameras import GivenCamera
 
     clocks, texts = Clocks(), list[str]()
     frames = frames_of([str(folder / "frames")], ())
     for i, frame in enumerate(frames, 1):
-        options = Perceiving(KB, camera=camera_of(frame, None))
+        options = Perceiving(KB, camera=camera_of(frame, GivenCamera()))
         perceive_command([frame.input], options, say=lambda _: None, write=texts.append)
         if i % 100 == 0:
             say(f"one at a time: {i} of {len(frames)}")

@@ -105,7 +105,7 @@ def learned(folder: Path, seed: int, *, quick: bool, say: Callable[[str], None])
     from plogic.face.shown.options import Photo
 
     learn_into(folder, {} if quick else ycb_meshes(), say, seed)
-    sources = Photo(DATA / "photo.jpg", MARKS / "photo_points.yaml", None, DATA / "box.ply", "cm")
+    sources = Photo(DATA / "photo.jpg", MARKS / "photo_points.yaml", mesh=DATA / "box.ply", units="cm")
     learn_photo_command(str(folder), ["box"], sources, replace(LEARNING, seed=seed), say=say)
     return read_kb(folder)
 

@@ -68,18 +68,26 @@ NOWHERE: Keys = ()
 STRANGE = "has none of the keys of a camera (width, height, K), of Γ (camera) or of BOP (fx, or frames with cam_K)"
 
 
-def read_camera(path: str | Path, frame: str | int | None = None, *, size: tuple[int, int] | None = None) -> Camera:
+def read_camera(
+    path: str | Path,
+    frame: str | int | None = None,
+    *,
+    size: tuple[int, int] | None = None,
+    photo: str | Path | None = None,
+) -> Camera:
     """The camera that the file `path` describes, whichever of the kinds above it is.
 
     `frame` names one camera where the file has many (BOP: the image's number, COLMAP: the camera's); one alone needs no
-    name. `size` (width, height) px is used where the file states none.
+    name, nor do those that the file tells by their pictures, where `photo` is one of them. `size` (width, height) px is
+    used where the file states none.
 
     Raises:
         CameraError: one line with the file, the key or the line, and what is wrong.
     """
     text = text_of(path, MAX_BYTES, CameraError, "camera")
     if text.lstrip("\ufeff \t\r\n").startswith(("{", "[")):
-        return _from_json(parsed_json(text, str(path), HOLDS, CameraError, single=True), Path(path), frame, size)
+        document = parsed_json(text, str(path), HOLDS, CameraError, single=True)
+        return _from_json(document, Path(path), frame, size, photo)
     try:
         return camera_from_dict(_told(text, frame, size))
     except CameraError as error:
@@ -96,12 +104,14 @@ def _told(text: str, frame: str | int | None, size: Size) -> object:
     return from_calibration(content, size)
 
 
-def _from_json(document: Document, path: Path, frame: str | int | None, size: Size) -> Camera:
+def _from_json(document: Document, path: Path, frame: str | int | None, size: Size, photo: str | Path | None) -> Camera:
     content, keys = document.data, NOWHERE
     if isinstance(content, dict) and "camera" in content:
         content, keys = content["camera"], ("camera",)
     elif _is_bop(content):
-        return _from_bop(document, path, frame, size)
+        number = Path(photo or "").stem.lstrip("0") or "0"
+        known = photo is not None and frame is None and isinstance(content, dict) and number in content
+        return _from_bop(document, path, number if known else frame, size)
     wrong = camera_mistakes(content, keys)
     if len(wrong) > 1 and isinstance(content, dict) and not {"width", "K"} & set(content):
         wrong = [Mistake(keys, STRANGE)]

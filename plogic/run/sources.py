@@ -1,6 +1,6 @@
 """Where commands take their input from.
 
-Knowledge bases, interpretations, programs, and Γ, its file or an image and its camera.
+Knowledge bases, interpretations, programs, and Γ, its file or detected in a picture (``plogic.run.cameras``).
 """
 
 import sys
@@ -16,6 +16,7 @@ from plogic.base.errors import InputError
 if TYPE_CHECKING:
     from geometry.camera import Camera
     from kb.clouds.cloud import KnowledgeBase
+    from plogic.run.cameras import Shot
     from sensing.appearance import Gamma
 
 
@@ -24,35 +25,15 @@ def is_gamma(source: str) -> bool:
     return source == "-" or source.lower().endswith(".json")
 
 
-def image_of(source: str, camera: str | None) -> NDArray[Any]:
-    """The picture (H, W, 3), BGR; without a camera file it has no geometry. Raises InputError or ImageError."""
-    from sensing.files.images import read_image
-
-    if camera is None:
-        raise InputError(f"{source}: an image needs its camera: give --camera FILE (ours, ROS, OpenCV, BOP or COLMAP)")
-    return read_image(source)
-
-
 def gamma_of(
-    source: str, picture: NDArray[Any] | None, camera_file: str | None, kb: "KnowledgeBase", clock: Stopwatch
+    source: str, shot: "Shot | None", kb: "KnowledgeBase", clock: Stopwatch
 ) -> "tuple[Gamma, NDArray[Any] | None]":
-    """Γ from its file, or detected in the picture; types that the KB does not know are mistakes of a file."""
+    """Γ from its file, or detected in a picture; types that the KB does not know are mistakes of a file."""
     from sensing.files.gamma_files import read_gamma
 
-    if picture is None:
+    if shot is None:
         return read_gamma(source, kb.appearance_types), None
-    from geometry.files.camera_files import read_camera
-
-    camera = sized(read_camera(str(camera_file)), picture, str(camera_file), source)
-    return detected(picture, camera, kb, clock), picture
-
-
-def sized(camera: "Camera", picture: NDArray[Any], named: str, source: str) -> "Camera":
-    """The camera itself. Raises InputError where the picture (H, W, 3), from ``source``, is of another size."""
-    height, width = picture.shape[:2]
-    if (camera.width, camera.height) != (width, height):
-        raise InputError(f"{named}: the camera is {camera.width}x{camera.height}, but {source} is {width}x{height}")
-    return camera
+    return detected(shot.image, shot.camera, kb, clock), shot.image
 
 
 def detected(picture: NDArray[Any], camera: "Camera", kb: "KnowledgeBase", clock: Stopwatch) -> "Gamma":
@@ -102,6 +83,7 @@ def kb_of(folder: str) -> "KnowledgeBase":
 
     Its rules are held to the allow-list here, before any work is done with it. Raises KBError, ProgramError.
     """
+    from geometry.files.remembered import cache_folder
     from kb.files.folder import shipped
     from kb.files.read import read_kb
     from plogic.logic.safety.atoms import Names
@@ -109,7 +91,7 @@ def kb_of(folder: str) -> "KnowledgeBase":
     from plogic.scene.text.rules import defined
 
     path = Path(folder)
-    kb = read_kb(path if is_there(path) or "/" in folder else shipped(folder))
+    kb = read_kb(path if is_there(path) or "/" in folder else shipped(folder), cache_folder("surfaces"))
     author_rules(kb.rules, Names({}, {}), defined())
     return kb
 

@@ -6,7 +6,8 @@ from typing import Any
 import click
 
 from plogic.base.errors import InputError
-from plogic.face.shown.options import AS_JSON, SEED, Learning, Photo, emit, say
+from plogic.face.shown.options import AS_JSON, SEED, Learning, Photo, camera_options, emit, say
+from plogic.run.cameras import GivenCamera
 
 UNITS = ["m", "dm", "cm", "mm", "um", "km", "in", "ft"]
 """``kb.files.values.LENGTHS``, said again so that ``--help`` imports nothing; a test holds the two together."""
@@ -66,9 +67,7 @@ def kb_add(name: str, mesh: Path, units: str | None, kb_folder: Path, as_json: b
 @click.option(
     "--points", type=click.Path(path_type=Path), help="Clicked points of the photo: YAML, JSON or CSV of u, v, x, y, z."
 )
-@click.option(
-    "--camera", type=click.Path(path_type=Path), help="The photo's camera; without it, its focal length is recovered."
-)
+@camera_options("Only with --photo; where no camera is given, the photo's focal length is recovered.")
 @click.option(
     "--mesh", type=click.Path(path_type=Path), help="With --photo: the mesh of a type that is not there yet (kb add)."
 )
@@ -79,7 +78,7 @@ def kb_learn(
     kb_folder: Path,
     photo: Path | None,
     points: Path | None,
-    camera: Path | None,
+    camera: GivenCamera,
     mesh: Path | None,
     units: str | None,
     **options: Any,  # noqa: ANN401
@@ -91,8 +90,8 @@ def kb_learn(
     The turns of a shape that its texture keeps are written into object.yaml as symmetries, unless some are stated
     there.
     """
-    idle = {"--points": points, "--camera": camera, "--mesh": mesh, "--units": units}
-    named = [name for name, value in idle.items() if value is not None]
+    idle = {"--points": points, "--mesh": mesh, "--units": units}
+    named = [*camera.named, *(name for name, value in idle.items() if value is not None)]
     if photo is None and named:
         raise InputError(f"{', '.join(named)}: only with --photo")
     if photo is None:

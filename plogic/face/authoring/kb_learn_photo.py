@@ -12,7 +12,6 @@ from pathlib import Path
 import numpy as np
 
 from geometry.camera import camera_to_dict
-from geometry.files.camera_files import read_camera
 from geometry.poses.register import Registration
 from kb.clouds.cloud import KnowledgeBase, ObjectType
 from kb.clouds.learned import LearnedCloud
@@ -28,6 +27,7 @@ from plogic.face.authoring.kb_learn_look import learned_of
 from plogic.face.authoring.kb_types import check_own, check_places, new_command, type_folders, with_entry, write_types
 from plogic.face.shown.options import Learning, Photo
 from plogic.face.shown.tables import plain_table
+from plogic.run.cameras import sized
 from plogic.run.sources import kb_of
 from sensing.files.images import read_image
 from sensing.files.whole_files import write_files
@@ -119,11 +119,9 @@ def _registered(kind: ObjectType, sources: Photo) -> tuple[Registration, Painted
     points = read_points(sources.points)
     photo = read_image(sources.photo)
     size = photo.shape[1], photo.shape[0]
-    camera = None if sources.camera is None else read_camera(sources.camera, size=size)
-    if camera is not None and (camera.width, camera.height) != size:
-        raise InputError(
-            f"{sources.camera}: is of {camera.width} x {camera.height} pixels, but {sources.photo} of {size[0]} x {size[1]}"
-        )
+    camera = sources.camera.of(size, str(sources.photo))
+    if camera is not None:
+        sized(camera, photo, str(sources.camera.file), str(sources.photo))
     found = registered(points, size, kind.surface, camera)
     mesh = painted(kind.surface, photo, found.camera, found.camera_from_object)
     if len(mesh.triangles) > MAX_TRIANGLES:

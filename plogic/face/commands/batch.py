@@ -11,16 +11,18 @@ from time import monotonic
 
 import click
 
-from geometry.files.camera_files import read_camera
 from plogic.base.children import ending_well
 from plogic.face.shown.options import Batching
 from plogic.face.shown.progress import Progress
 from plogic.run.batch.frame_lines import ERROR, UNFINISHED
-from plogic.run.batch.frames import Frame, Settings, checked, frames_of
+from plogic.run.batch.frames import Frame, Settings, camera_of, checked, frames_of
 from plogic.run.batch.frames_run import Engine, Waiting, run, waiting_beside
 from plogic.run.batch.log import Log, check_out, check_same, left_over, log_at
 from plogic.run.batch.pool import Pool
+from plogic.run.cameras import NOTHING_GIVEN, read_given
 
+GUESSED = "guessed"
+"""What is counted beside bad and unfinished frames: pictures whose camera nobody gave."""
 BAD, LATE = 1, 3
 """Exit statuses: a frame could not be perceived; the deadline cut one short."""
 
@@ -36,9 +38,10 @@ def batch_command(inputs: Sequence[str], settings: Settings, options: Batching, 
     out = options.out
     beside = waiting_beside(out)
     check_out([] if out == "-" else [Path(out), *([beside] if beside is not None else [])], resume=options.resume)
-    if settings.camera is not None:  # every picture would say what is wrong with it
-        read_camera(checked(settings.camera))
-    frames = frames_of(inputs, listed)
+    for path in settings.camera.files():  # every picture would say what is wrong with it
+        checked(path)
+        read_given(str(settings.camera.file))
+    frames = frames_of(inputs, listed, options.every)
     with ending_well():
         engine = _engine(settings, options)
         try:
@@ -75,6 +78,7 @@ def _run(
     check_same(frames, [*log.written, *waiting.written], settings, kb)
     log.cut()
     count = {status: sum(line.status == status for line in log.written) for status in (ERROR, UNFINISHED)}
+    count[GUESSED] = 0
     before = {(line.input, line.frame) for line in (*log.written, *waiting.written)}
     progress = Frames(len(frames), len(frames) - len(before))
 
@@ -84,6 +88,8 @@ def _run(
             count[status] += 1
         if status == ERROR:
             progress.say(_why(frame, line))
+        elif frame.kind == "image" and camera_of(frame, settings.camera) == NOTHING_GIVEN:
+            count[GUESSED] += 1
         if (frame.input, frame.frame) not in before:
             progress.step(bad=status == ERROR)
 
@@ -94,7 +100,7 @@ def _run(
         progress.say(f"stopped; --resume goes on with {out}" if out != "-" else "stopped")
         raise
     progress.end()
-    progress.say(_summary(out, len(frames), len(frames) - len(before), count[ERROR], count[UNFINISHED]))
+    progress.say(_summary(out, len(frames), len(frames) - len(before), count))
     return BAD if count[ERROR] else LATE if count[UNFINISHED] else 0
 
 
@@ -105,9 +111,10 @@ def _why(frame: Frame, line: bytes) -> str:
     return named + (f" (and {len(others)} more)" if others else "")
 
 
-def _summary(out: str, total: int, new: int, bad: int, unfinished: int) -> str:
+def _summary(out: str, total: int, new: int, count: dict[str, int]) -> str:
     before = f", {total - new} of them before" if new < total else ""
-    wrong = (f", {bad} bad" if bad else "") + (f", {unfinished} unfinished" if unfinished else "")
+    told = {ERROR: "bad", UNFINISHED: "unfinished", GUESSED: "with a camera guessed from EXIF (notes)"}
+    wrong = "".join(f", {count[key]} {what}" for key, what in told.items() if count[key])
     return f"{'' if out == '-' else f'{out}: '}{total} frame{'s' * (total != 1)}{before}{wrong}"
 
 

@@ -54,7 +54,8 @@ def formats() -> dict[str, Format]:
         "interpretation": Format(
             Interpretation,
             "What one image shows",
-            "`perceive` writes it; `worlds`, `query`, `explain`, `shell`, `program`, `report`, `measures` and `next-view` read it.",
+            "`perceive` writes it, `watch` one a frame; `worlds`, `query`, `explain`, `shell`, `program`, `report`, `measures` "
+            "and `next-view` read it.",
         ),
         "panorama": Format(
             Panorama,
@@ -63,7 +64,9 @@ def formats() -> dict[str, Format]:
         ),
         "answers": Format(Answers, "The answers to a query", "`query --json` prints it."),
         "frame": Format(
-            FrameLine, "One line of many frames", "`batch` writes such lines; `batch --resume` goes on after them."
+            FrameLine,
+            "One line of many frames",
+            "`batch` writes such lines, and `batch --resume` goes on after them; `watch` does of bad frames, and with `--short`.",
         ),
     }
 

@@ -14,7 +14,7 @@ from plogic.base.errors import InputError
 from plogic.cycle.delta import Options
 from plogic.face.python.interpretation import Interpretation
 from plogic.face.python.knowledge import KnowledgeBase
-from plogic.face.python.pictures import Gamma, Image, camera_for, pixels_of
+from plogic.face.python.pictures import Gamma, Image, shot_for
 from plogic.facts.situation import DvOver, Reading, Reconsider
 from plogic.run.sources import detected, is_gamma
 from sensing import appearance
@@ -27,13 +27,13 @@ def detect(image: Image, kb: KnowledgeBase | str | Path, camera: Camera | str | 
     Args:
         image: a file, or pixels (H, W, 3) uint8, blue first.
         kb: a knowledge base, its folder, or the name of a shipped one.
-        camera: the image's camera, or its file.
+        camera: the image's camera, or its file; without it, one of EXIF's focal length, with a warning.
 
     Raises:
         Error: where the image, the knowledge base or the camera cannot be used.
     """
-    pixels = pixels_of(image)
-    return Gamma.of(detected(pixels, camera_for(image, pixels, camera), _kb(kb).sigma, Stopwatch()))
+    shot = shot_for(image, camera, 3)
+    return Gamma.of(detected(shot.image, shot.camera, _kb(kb).sigma, Stopwatch()))
 
 
 def perceive(  # noqa: PLR0913 - the options of the command
@@ -53,7 +53,7 @@ def perceive(  # noqa: PLR0913 - the options of the command
     Args:
         source: an image's file, its pixels (H, W, 3) uint8 (blue first), Γ, or its file (``.json``).
         kb: a knowledge base, its folder, or the name of a shipped one.
-        camera: an image's camera, or its file; Γ has its own.
+        camera: an image's camera, or its file, or else EXIF's focal length, with a warning; Γ has its own.
         reading: ``"score"`` (the paper's), or ``"posterior"``.
         reconsider: how explained misses count: ``"to_B"``, ``"drop"`` or ``"reassign"`` (score reading).
         dv_over: what dv counts features over: ``"types"`` of the knowledge base, or ``"instances"`` in Δ.
@@ -87,8 +87,8 @@ def _gamma(
         return source, None
     if isinstance(source, (str, Path)) and is_gamma(str(source)):
         return read_gamma(source, kb.appearance_types), None
-    pixels = pixels_of(source)
-    return detected(pixels, camera_for(source, pixels, camera), kb.sigma, Stopwatch()), pixels
+    shot = shot_for(source, camera, 4)
+    return detected(shot.image, shot.camera, kb.sigma, Stopwatch()), shot.image
 
 
 def _check(reading: str, reconsider: str, dv_over: str, smoothing: float, deadline: float | None) -> None:

@@ -1,7 +1,8 @@
 """Cameras, images and Γ as a user of Python gives them."""
 
+import warnings
 from collections.abc import Sequence
-from math import radians, tan
+from math import hypot
 from pathlib import Path
 from typing import Self
 
@@ -10,10 +11,10 @@ from numpy.typing import ArrayLike, NDArray
 
 from geometry import camera as geometry_camera
 from geometry.errors import CameraError
+from geometry.field_of_view import focal_across
 from geometry.files.camera_files import read_camera
-from plogic.base.errors import InputError
 from plogic.face.session.blocks import Block, Column, Rows, Table
-from plogic.run.sources import sized
+from plogic.run.cameras import GivenCamera, Shot, shot_of, shot_with, sized
 from sensing import appearance as sensing_appearance
 from sensing.appearance import Appearance
 from sensing.errors import ImageError
@@ -64,21 +65,27 @@ class Camera(geometry_camera.Camera):
 
     @classmethod
     def from_fov(
-        cls, width: int, height: int, *, horizontal: float | None = None, vertical: float | None = None
+        cls,
+        width: int,
+        height: int,
+        *,
+        horizontal: float | None = None,
+        vertical: float | None = None,
+        diagonal: float | None = None,
     ) -> Self:
         """Return an ideal camera with square pixels and one field of view, degrees, through the image's middle.
 
         Raises:
             Error: unless exactly one field of view is given, between 0 and 180 degrees.
         """
-        given = [(angle, side) for angle, side in ((horizontal, width), (vertical, height)) if angle is not None]
+        sides = (horizontal, width), (vertical, height), (diagonal, hypot(width, height))
+        given = [(angle, side) for angle, side in sides if angle is not None]
         if len(given) != 1:
-            raise CameraError("from_fov: give either horizontal or vertical, in degrees")
+            raise CameraError("from_fov: give one of horizontal, vertical and diagonal, in degrees")
         ((angle, side),) = given
         if not 0.0 < angle < 180.0:
             raise CameraError(f"from_fov: a field of view must be between 0 and 180 degrees, not {angle:g}")
-        f = side / 2.0 / tan(radians(angle) / 2.0)
-        return cls(width, height, [[f, 0.0, (width - 1) / 2.0], [0.0, f, (height - 1) / 2.0], [0.0, 0.0, 1.0]])
+        return cls.of(geometry_camera.centred_camera((width, height), focal_across(side, angle)))
 
     def __eq__(self, other: object) -> bool:
         if not isinstance(other, geometry_camera.Camera):
@@ -135,6 +142,29 @@ class Gamma(sensing_appearance.Gamma, Rows[Appearance]):
         return str(self)
 
 
+WAYS = "a Camera (Camera.from_fov, where its field of view is known) or its file (ours, ROS, OpenCV, BOP or COLMAP)"
+
+
+def shot_for(image: Image, camera: geometry_camera.Camera | str | Path | None, above: int) -> Shot:
+    """Return the pixels (H, W, 3) of a file or of an array, with their camera; a guess by EXIF is warned of.
+
+    ``above``: how many calls above this one the user's is, where the warning belongs.
+
+    Raises:
+        Error: where the image cannot be read, nothing tells its camera, or that is of another size.
+    """
+    source = str(image) if isinstance(image, (str, Path)) else "the image"
+    if isinstance(camera, geometry_camera.Camera):
+        pixels = pixels_of(image)
+        return Shot(pixels, sized(camera, pixels, "camera", source))
+    given = GivenCamera() if camera is None else GivenCamera(str(camera))
+    named = isinstance(image, (str, Path))
+    shot = shot_of(source, given, WAYS) if named else shot_with(pixels_of(image), given, source, ways=WAYS)
+    for note in shot.notes:
+        warnings.warn(f"{source}: {note}", stacklevel=above)
+    return shot
+
+
 def pixels_of(image: Image) -> NDArray[np.uint8]:
     """Return the pixels (H, W, 3) of a file or of an array. Raises ImageError for anything else."""
     from sensing.files.images import read_image
@@ -152,16 +182,3 @@ def _described(value: object) -> str:
     if isinstance(value, np.ndarray):
         return f"one {value.shape} of {value.dtype}"
     return f"{type(value).__name__}"
-
-
-def camera_for(
-    image: Image, pixels: NDArray[np.uint8], camera: geometry_camera.Camera | str | Path | None
-) -> geometry_camera.Camera:
-    """Return the camera of an image. Raises InputError where there is none, or where it is of another size."""
-    source = str(image) if isinstance(image, (str, Path)) else "the image"
-    if camera is None:
-        raise InputError(
-            f"{source}: an image needs its camera: give a Camera or its file (ours, ROS, OpenCV, BOP or COLMAP)"
-        )
-    found = Camera.load(camera) if isinstance(camera, (str, Path)) else camera
-    return sized(found, pixels, str(camera) if isinstance(camera, (str, Path)) else "camera", source)

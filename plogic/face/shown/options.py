@@ -4,13 +4,16 @@ import math
 import sys
 from collections.abc import Callable
 from dataclasses import dataclass
+from functools import wraps
 from pathlib import Path
 from typing import Any
 
 import click
 
+from plogic.base.errors import InputError
 from plogic.face.shown.figures import MOST, places
 from plogic.facts.situation import DvOver, Reading, Reconsider
+from plogic.run.cameras import NOTHING_GIVEN, GivenCamera
 
 READINGS = click.Choice(["score", "posterior"])
 SEED = click.IntRange(0)
@@ -63,7 +66,47 @@ class Number(click.FloatRange):
 KB = click.option(
     "--kb", "kb_folder", required=True, help="Folder of the knowledge base; `first` and `towers` are shipped."
 )
-CAMERA = click.option("--camera", type=click.Path(), help="Camera file of an image: ours, ROS, OpenCV, BOP or COLMAP.")
+EVERY = click.option(
+    "--every", type=click.IntRange(1), default=1, show_default=True, help="Of a video, each so many-th frame."
+)
+
+
+def camera_options(without: str) -> Callable[[Callable[..., None]], Callable[..., None]]:
+    """The options that tell the camera of pictures, at most one of them, as one ``camera``, a ``GivenCamera``.
+
+    ``without``: what happens where none is given, for the help text.
+    """
+    what = (
+        f"Camera of pictures, of ours, ROS, OpenCV, BOP or COLMAP (its folder as well); #NAME is one of many. {without}"
+    )
+    view = Number(0.0, 180.0, min_open=True, max_open=True)
+    ways = [
+        click.option("--camera", type=click.Path(), metavar="FILE[#NAME]", help=what),
+        click.option("--fov", type=view, metavar="DEG", help="Instead: field of view across, no distortion."),
+        click.option("--fov-diagonal", type=view, metavar="DEG", help="Instead: field of view from corner to corner."),
+        click.option(
+            "--focal", type=Number(0.0, 1e9, min_open=True), metavar="PX", help="Instead: focal length in pixels."
+        ),
+    ]
+
+    def with_options(command: Callable[..., None]) -> Callable[..., None]:
+        @wraps(command)
+        def told(*args: Any, camera: str | None, **options: Any) -> None:  # noqa: ANN401 - click's
+            others = {name: options.pop(name) for name in ("fov", "fov_diagonal", "focal")}
+            try:
+                given = GivenCamera(camera, **others)
+            except InputError as error:
+                raise click.UsageError(str(error)) from None
+            command(*args, camera=given, **options)
+
+        for option in reversed(ways):
+            told = option(told)
+        return told
+
+    return with_options
+
+
+CAMERA = camera_options("Where no camera is given, EXIF's focal length is taken, and said.")
 FIRST_READING = click.option("--reading", type=READINGS, default="score", show_default=True)
 RECONSIDER = click.option(
     "--reconsider", type=MODES, default="to_B", show_default=True, help="How explained misses count (score reading)."
@@ -134,14 +177,14 @@ class Asking:
 class Perceiving:
     """How ``plogic perceive`` interprets its inputs with ``kb``, and the files that it writes.
 
-    ``camera``: of pictures; ``poses``: where it stood for each of several frames; ``stereo``: the calibration of a
-    pair;
-    ``deadline`` in seconds; ``out`` is stdout where it is ``-``.
+    ``camera``: what was given for that of pictures; ``poses``: where it stood for each of several frames; ``stereo``:
+    the calibration of a pair; ``deadline`` in seconds; ``out`` is stdout where it is ``-``; ``every``: of a video each
+    so many-th frame.
     """
 
     kb: str
     out: str = "-"
-    camera: str | None = None
+    camera: GivenCamera = NOTHING_GIVEN
     poses: str | None = None
     stereo: str | None = None
     reading: Reading = "score"
@@ -153,6 +196,7 @@ class Perceiving:
     report: Path | None = None
     picture: Path | None = None
     timings: Path | None = None
+    every: int = 1
 
 
 @dataclass(frozen=True)
@@ -176,7 +220,8 @@ class Batching:
     """How ``plogic batch`` works through its frames, and where their lines go.
 
     ``out``: a file, ``-`` for stdout; ``order``: ``input`` or ``done``; ``jobs``: processes of this machine, None for
-    one a core; ``dask``: the address of a cluster that works instead; ``timeout``: seconds that a frame may take.
+    one a core; ``dask``: the address of a cluster that works instead; ``timeout``: seconds that a frame may take;
+    ``every``: of a video each so many-th frame.
     """
 
     out: str = "-"
@@ -185,6 +230,23 @@ class Batching:
     jobs: int | None = None
     dask: str | None = None
     timeout: float | None = None
+    every: int = 1
+
+
+@dataclass(frozen=True)
+class Watching:
+    """Which frames ``plogic watch`` takes, and what it writes of each.
+
+    Each ``every``-th frame, ``limit`` of them at most; ``newest``: of a stream, the newest one. ``short`` lines, as of
+    ``plogic batch``; ``picture``: where the newest picture stands; ``pictures``: the folder of all.
+    """
+
+    every: int = 1
+    limit: int | None = None
+    newest: bool = False
+    short: bool = False
+    picture: Path | None = None
+    pictures: Path | None = None
 
 
 @dataclass(frozen=True)
@@ -210,13 +272,12 @@ class Learning:
 class Photo:
     """The files that ``plogic kb learn --photo`` reads.
 
-    ``photo`` and ``points``; ``camera``, where its intrinsics are known; ``mesh`` and its ``units``, where the type is
-    new.
+    ``photo`` and ``points``; ``camera``: what was given for it; ``mesh`` and its ``units``, where the type is new.
     """
 
     photo: Path
     points: Path
-    camera: Path | None = None
+    camera: GivenCamera = NOTHING_GIVEN
     mesh: Path | None = None
     units: str | None = None
 

@@ -57,7 +57,7 @@ class _Kept:
             if entry is None or entry.run != task["run"]:
                 if entry is not None:
                     entry.pool.close()
-                entry = _Entry(task["run"], Pool(Settings(**task["settings"]), task["folder"], 1, task["timeout"]))
+                entry = _Entry(task["run"], Pool(Settings.of(task["settings"]), task["folder"], 1, task["timeout"]))
                 self._entries[thread] = entry
             entry.task = key
             if not self._watched:

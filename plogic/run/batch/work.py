@@ -1,9 +1,7 @@
 """One frame after the other, in a process that has read the knowledge base once."""
 
+from pathlib import Path
 from time import monotonic
-from typing import Any
-
-from numpy.typing import NDArray
 
 from geometry.errors import PlogicError
 from plogic.base.clock import Stopwatch
@@ -11,10 +9,21 @@ from plogic.base.errors import InputError
 from plogic.cycle.delta import Options
 from plogic.facts.document import Interpretation
 from plogic.run.batch.frame_lines import Lines
-from plogic.run.batch.frames import Frame, Settings, camera_of, checked, digest_of, scene_and_image, scene_at
+from plogic.run.batch.frames import (
+    Frame,
+    Settings,
+    camera_of,
+    checked,
+    digest_of,
+    number_in_video,
+    scene_and_image,
+    scene_at,
+    version_of,
+)
+from plogic.run.cameras import Shot, shot_of, shot_with
 from plogic.run.perceive import perceiver_of
-from plogic.run.sources import detected, gamma_of, image_of, kb_of
-from sensing.appearance import Gamma
+from plogic.run.sources import gamma_of, kb_of
+from plogic.run.video.video import frame_at
 
 CHANGED = "changed while it was read"
 """What is wrong with a frame whose bytes before and after are not the same."""
@@ -35,7 +44,8 @@ class Worker:
         """Status and line of one frame; raises nothing."""
         sha256 = self._digest(frame)
         try:
-            return self.lines.perceived(frame, self._document(frame, sha256), sha256)
+            document, notes = self._document(frame, sha256)
+            return self.lines.perceived(frame, document, sha256, notes)
         except PlogicError as error:
             what = str(error)
         except MemoryError:
@@ -51,25 +61,32 @@ class Worker:
     def _digest(self, frame: Frame) -> str | None:
         return digest_of(frame, self.settings.camera)
 
-    def _document(self, frame: Frame, sha256: str | None) -> Interpretation:
+    def _document(self, frame: Frame, sha256: str | None) -> tuple[Interpretation, tuple[str, ...]]:
+        """The interpretation, and what is to be noted of the camera."""
         clock, chosen = Stopwatch(), self.settings
-        gamma, image = self._data(frame, clock)
+        shot = self._shot(frame)
+        gamma, image = gamma_of(frame.input, shot, self.perceiver.kb, clock)
         if self._digest(frame) != sha256:
             raise InputError(CHANGED)
         end = monotonic() + chosen.deadline if chosen.deadline is not None else None
-        return self.perceiver(gamma, Options(chosen.reading, chosen.reconsider, chosen.smoothing, end), image, clock)
+        options = Options(chosen.reading, chosen.reconsider, chosen.smoothing, end)
+        return self.perceiver(gamma, options, image, clock), shot.notes if shot else ()
 
-    def _data(self, frame: Frame, clock: Stopwatch) -> tuple[Gamma, NDArray[Any] | None]:
-        kb = self.perceiver.kb
+    def _shot(self, frame: Frame) -> Shot | None:
+        """The picture of a frame with its camera; None of a Γ."""
         if frame.kind == "lost":
             raise InputError(frame.at)
         if frame.kind == "bop":
             scene, image = scene_and_image(frame)
             shot = scene_at(frame.at, scene).frame(image)
-            return detected(shot.image, shot.camera, kb, clock), shot.image
-        camera = camera_of(frame, self.settings.camera) if frame.kind == "image" else None
-        for path in (frame.input, *([camera] if camera is not None else [])):
+            return Shot(shot.image, shot.camera)
+        checked(frame.input)
+        if frame.kind == "gamma":
+            return None
+        camera = camera_of(frame, self.settings.camera)
+        for path in camera.files():
             checked(path)
-        return gamma_of(
-            frame.input, image_of(frame.input, camera) if frame.kind == "image" else None, camera, kb, clock
-        )
+        if frame.kind == "video":
+            pixels = frame_at(frame.input, version_of(Path(frame.input)), number_in_video(frame))
+            return shot_with(pixels, camera, frame.name)
+        return shot_of(frame.input, camera)

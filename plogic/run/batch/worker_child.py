@@ -24,7 +24,7 @@ def main() -> None:
         from plogic.run.batch.frames import Frame, Settings
         from plogic.run.batch.work import Worker
 
-        settings = Settings(**json.loads(sys.stdin.buffer.readline()))
+        settings = Settings.of(json.loads(sys.stdin.buffer.readline()))
         try:
             worker = Worker(settings)
         except PlogicError as error:

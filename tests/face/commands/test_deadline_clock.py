@@ -18,6 +18,7 @@ from plogic.face.shown.options import Perceiving
 from plogic.run import sources
 from plogic.run.batch import work
 from plogic.run.batch.frames import Frame, Settings
+from plogic.run.cameras import GivenCamera
 from sensing.appearance import Gamma
 
 SLOW, DEADLINE = 0.4, 5.0
@@ -58,7 +59,7 @@ def picture(tmp_path):
 
 
 def test_of_perceive(left, picture):
-    options = Perceiving("towers", deadline=DEADLINE, camera=str(picture.parent / "camera.json"))
+    options = Perceiving("towers", deadline=DEADLINE, camera=GivenCamera(str(picture.parent / "camera.json")))
     assert perceive_command([str(picture)], options, say=lambda _: None, write=lambda _: None) == 0
     assert left == [pytest.approx(DEADLINE, abs=SLOW / 2)]
 

@@ -6,6 +6,7 @@ import json
 
 import numpy as np
 import pytest
+from exif_files import EQUIVALENT, exif, grey, jpeg
 
 import plogic
 from geometry.camera import camera_to_dict
@@ -42,7 +43,32 @@ def test_a_field_of_view_reaches_the_edges_of_the_image(name, half, side):
     assert camera.K[0, 0] == camera.K[1, 1]
 
 
-@pytest.mark.parametrize("wrong", [{}, {"horizontal": 60, "vertical": 40}, {"horizontal": 0}, {"vertical": 180}])
+def test_a_field_of_view_reaches_the_corners_of_the_image():
+    camera = Camera.from_fov(640, 480, diagonal=80)
+    corner = np.linalg.norm(camera.normalised([639.5, 479.5]))
+    assert np.degrees(np.arctan(corner)) == pytest.approx(40)
+
+
+def test_a_photo_without_a_camera_takes_exif_s_and_a_warning_says_so(tmp_path):
+    (tmp_path / "phone.jpg").write_bytes(jpeg(grey(64, 48), exif({EQUIVALENT: 28})))
+    with pytest.warns(UserWarning, match=r"phone\.jpg: camera guessed from EXIF: 28 mm equivalent") as caught:
+        gamma = plogic.detect(tmp_path / "phone.jpg", "towers")
+    assert gamma.camera.f == pytest.approx(80 * 28 / 43.266615)
+    with pytest.warns(UserWarning, match="guessed") as again:
+        scene = plogic.perceive(str(tmp_path / "phone.jpg"), "towers")
+    assert scene.document["camera"]["K"][0][0] == pytest.approx(gamma.camera.f)
+    assert [warning.filename for warning in (*caught, *again)] == [__file__] * 2
+
+
+def test_pixels_have_no_exif(tmp_path):
+    with pytest.raises(plogic.Error, match=r"the image: an image needs its camera: give a Camera \(Camera\.from_fov"):
+        plogic.detect(grey(64, 48), "towers")
+
+
+@pytest.mark.parametrize(
+    "wrong",
+    [{}, {"horizontal": 60, "vertical": 40}, {"vertical": 40, "diagonal": 60}, {"horizontal": 0}, {"vertical": 180}],
+)
 def test_a_field_of_view_that_is_none(wrong):
     with pytest.raises(plogic.Error, match="from_fov"):
         Camera.from_fov(640, 480, **wrong)

@@ -10,6 +10,7 @@ from bop_folders import dataset, put, scene
 from plogic.base.errors import InputError
 from plogic.run.batch.frames import Frame, camera_of, digest_of, frames_of
 from plogic.run.bop.json_files import numbered
+from plogic.run.cameras import GivenCamera
 
 
 def named(*inputs, listed=()):
@@ -80,7 +81,7 @@ def test_what_is_not_there_or_never_ends_is_lost_and_said(folder):
         ("lost", "gone.png: is missing"),
         ("lost", "pipe.json: is no plain file, but a pipe or a device"),
     ]
-    assert all(digest_of(frame, None) for frame in lost)
+    assert all(digest_of(frame, GivenCamera()) for frame in lost)
 
 
 def test_pipes_and_devices_in_a_folder_are_lost_and_said(folder):
@@ -185,26 +186,26 @@ def test_scenes_without_cameras_and_of_a_number_that_is_taken_are_lost(folder):
 
 def test_the_digest_is_of_all_that_is_read(folder):
     frame = Frame("b/1.jpg", None, "image")
-    assert camera_of(frame, None) == "b/camera.json"
-    assert camera_of(frame, "a.json") == "a.json"
-    assert camera_of(Frame("a.json", None, "image"), None) is None
-    seen = {digest_of(frame, None)}
+    assert camera_of(frame, GivenCamera()) == GivenCamera("b/camera.json")
+    assert camera_of(frame, GivenCamera("a.json")) == GivenCamera("a.json")
+    assert camera_of(Frame("a.json", None, "image"), GivenCamera()) == GivenCamera()
+    seen = {digest_of(frame, GivenCamera())}
     for name in ("b/1.jpg", "b/camera.json"):
         (folder / name).write_text("more")
-        seen.add(digest_of(frame, None))
+        seen.add(digest_of(frame, GivenCamera()))
     assert len(seen) == 3
     (folder / "b/1.jpg").unlink()
-    assert digest_of(frame, None) is None
+    assert digest_of(frame, GivenCamera()) is None
 
 
 def test_the_digest_of_a_bop_frame_is_of_its_own_camera(folder):
     place = scene(folder / "s/000001", {1: [], 2: []})
     first, second = frames_of([str(place)], ())
-    before = digest_of(first, None), digest_of(second, None)
+    before = digest_of(first, GivenCamera()), digest_of(second, GivenCamera())
     cameras = (place / "scene_camera.json").read_text()
     put(place / "scene_camera.json", cameras.replace('"depth_scale": 1.0', '"depth_scale": 2.0', 1))
-    assert digest_of(first, None) != before[0]
-    assert digest_of(second, None) == before[1]
+    assert digest_of(first, GivenCamera()) != before[0]
+    assert digest_of(second, GivenCamera()) == before[1]
 
 
 def test_a_scenes_cameras_are_parsed_once_until_they_change(folder, monkeypatch):
@@ -213,8 +214,8 @@ def test_a_scenes_cameras_are_parsed_once_until_they_change(folder, monkeypatch)
     place = scene(folder / "s/000001", {i: [] for i in range(9)})
     frames = frames_of([str(place)], ())
     parsed.clear()
-    assert len({digest_of(frame, None) for frame in frames}) == 1, "all are of one picture and one camera"
+    assert len({digest_of(frame, GivenCamera()) for frame in frames}) == 1, "all are of one picture and one camera"
     assert len(parsed) == 1
     put(place / "scene_camera.json", (place / "scene_camera.json").read_text() + " ")
-    assert digest_of(frames[0], None)
+    assert digest_of(frames[0], GivenCamera())
     assert len(parsed) == 2

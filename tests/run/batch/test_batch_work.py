@@ -13,6 +13,7 @@ from plogic.base.errors import InputError
 from plogic.run.batch.frames import Frame, Settings
 from plogic.run.batch.log import check_same, left_over, log_at
 from plogic.run.batch.work import Worker
+from plogic.run.cameras import GivenCamera
 
 
 @pytest.fixture(scope="module")
@@ -47,7 +48,7 @@ def test_a_pipe_in_the_place_of_a_camera_is_a_bad_frame(worker, folder, monkeypa
     os.mkfifo(folder / "camera.json")
     os.mkfifo(folder / "given")
     for given, named in ((None, "camera.json"), ("given", "given")):
-        monkeypatch.setattr(worker, "settings", Settings("towers", camera=given))
+        monkeypatch.setattr(worker, "settings", Settings("towers", camera=GivenCamera(given)))
         status, line = worker(Frame("a.png", None, "image"))
         assert (status, json.loads(line)["error"]) == ("error", f"{named}: is no plain file, but a pipe or a device")
 
@@ -60,13 +61,13 @@ def test_the_hash_is_that_of_the_bytes_themselves(worker, folder):
 
 @pytest.mark.parametrize("content", [json.dumps(gamma(2)), "torn"])
 def test_what_changes_while_it_is_read_is_a_bad_frame(worker, folder, monkeypatch, content):
-    data = worker._data
+    shot = worker._shot
 
     def slow(*args):
         (folder / "g.json").write_text(content)
-        return data(*args)
+        return shot(*args)
 
-    monkeypatch.setattr(worker, "_data", slow)
+    monkeypatch.setattr(worker, "_shot", slow)
     status, line = worker(Frame("g.json", None, "gamma"))
     row = json.loads(line)
     assert (status, row["error"], row["sha256"]) == ("error", "changed while it was read", None)

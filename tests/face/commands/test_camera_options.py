@@ -1,0 +1,159 @@
+"""The ways to tell a picture's camera, and what is guessed, doubted or refused where none is told."""
+
+from __future__ import annotations
+
+import json
+
+import cv2
+import pytest
+from console import good, plogic
+from exif_files import EQUIVALENT, FOCAL, HEIGHT, ORIENTATION, RESOLUTION, UNIT, WIDTH, exif, grey, jpeg
+from refusals import assert_lines, refused
+
+TURNED = "its orientation tag (6) is not applied: pixels, and --fov across, are of the picture as it is stored, 64x48"
+"""Of a picture of 64 x 48, whose diagonal is 80 px."""
+F28 = 80 * 28 / 43.266615
+
+
+@pytest.fixture
+def folder(tmp_path):
+    cv2.imwrite(str(tmp_path / "plain.png"), grey(64, 48))
+    (tmp_path / "phone.jpg").write_bytes(jpeg(grey(64, 48), exif({EQUIVALENT: 28}, {ORIENTATION: 6})))
+    tags = {FOCAL: (4, 1), RESOLUTION: (20, 1), UNIT: 4, WIDTH: 64, HEIGHT: 48}
+    (tmp_path / "still.jpg").write_bytes(jpeg(grey(64, 48), exif(tags)))
+    (tmp_path / "cut.jpg").write_bytes(jpeg(grey(48, 48), exif({EQUIVALENT: 28, WIDTH: 64, HEIGHT: 48})))
+    (tmp_path / "camera.json").write_text(json.dumps(camera(60)))
+    return tmp_path
+
+
+def camera(f, width=64, height=48, dist=()):
+    K = [[f, 0, (width - 1) / 2], [0, f, (height - 1) / 2], [0, 0, 1]]
+    return {"width": width, "height": height, "K": K, "dist": list(dist)}
+
+
+def perceived(folder, *args):
+    """The camera of the interpretation, and what was said before its summary."""
+    run = plogic("perceive", *args, "--kb", "towers", "-o", "out.json", cwd=folder)
+    assert run.returncode == 0, run.stderr
+    said = run.stderr.splitlines()
+    return json.loads((folder / "out.json").read_text())["camera"], [line for line in said if line.startswith(args[0])]
+
+
+@pytest.mark.parametrize(
+    ("option", "value", "f"),
+    [("--fov", "90", 32.0), ("--fov-diagonal", "90", 40.0), ("--focal", "60", 60.0), ("--camera", "camera.json", 60.0)],
+)
+def test_each_way_gives_its_focal_length_in_the_middle(folder, option, value, f):
+    found, said = perceived(folder, "plain.png", option, value)
+    assert said == []
+    assert found["K"][0] == [pytest.approx(f), 0, 31.5]
+    assert found["K"][1] == [0, pytest.approx(f), 23.5]
+    assert found["dist"] == []
+
+
+def test_exif_is_a_guess_that_is_said(folder):
+    found, said = perceived(folder, "phone.jpg")
+    assert found["K"][0][0] == pytest.approx(F28)
+    guess = "camera guessed from EXIF: 28 mm equivalent, focal 52 px; no lens distortion known"
+    assert said == [f"phone.jpg: {guess}", f"phone.jpg: {TURNED}"]
+    found, said = perceived(folder, "still.jpg")
+    assert found["K"][0][0] == pytest.approx(80.0)
+    assert said == [
+        f"still.jpg: {guess.replace('28 mm equivalent, focal 52', '4 mm on a sensor of 20 px/mm, focal 80')}"
+    ]
+
+
+def test_a_given_camera_goes_before_exif_which_may_contradict_it(folder):
+    assert perceived(folder, "phone.jpg", "--camera", "camera.json") == (camera(60.0), [])
+    assert perceived(folder, "phone.jpg", "--focal", str(F28 * 1.32))[1] == [f"phone.jpg: {TURNED}"]
+    doubt = "has a focal length of 69 px, but EXIF tells 52 px (28 mm equivalent)"
+    assert perceived(folder, "phone.jpg", "--focal", "69.1")[1][1] == f"phone.jpg: --focal {doubt}"
+    (folder / "other.json").write_text(json.dumps(camera(69.1)))
+    assert perceived(folder, "phone.jpg", "--camera", "other.json")[1] == [f"phone.jpg: other.json {doubt}"]
+    assert "--fov has a focal length of 18 px" in perceived(folder, "phone.jpg", "--fov", "120")[1][1]
+
+
+def test_without_any_one_line_says_what_to_do(folder):
+    for name, why in (("plain.png", "its EXIF tells no focal length"), ("cut.jpg", "EXIF is of 64x48 and the picture")):
+        (line,) = refused(folder, "perceive", name, "--kb", "towers", "-o", "out.json")
+        assert_lines(
+            [line], [f"{name}: an image needs its camera: give --camera FILE, or its field of view: --fov DEG"]
+        )
+        assert why in line
+
+
+@pytest.mark.parametrize(
+    "ways",
+    [
+        ("--fov", "60", "--focal", "50"),
+        ("--camera", "camera.json", "--fov-diagonal", "60"),
+        ("--camera", "camera.json", "--fov", "60", "--fov-diagonal", "70", "--focal", "50"),
+    ],
+)
+@pytest.mark.parametrize("command", [("perceive",), ("batch",), ("kb", "learn", "box", "--photo")], ids=" ".join)
+def test_two_ways_at_once_are_bad_usage(folder, command, ways):
+    run = plogic(*command, "plain.png", "--kb", "towers", *ways, cwd=folder)
+    assert (run.returncode, run.stdout) == (2, "")
+    last = run.stderr.splitlines()[-1]
+    assert last == f"Error: {' and '.join(ways[::2])}: each tells the camera: give one of them"
+
+
+@pytest.mark.parametrize(
+    "way",
+    [("--fov", "0"), ("--fov", "180"), ("--fov-diagonal", "nan"), ("--focal", "-3"), ("--focal", "inf")],
+    ids=" ".join,
+)
+def test_no_such_angle_or_length_is_bad_usage(folder, way):
+    run = plogic("perceive", "plain.png", "--kb", "towers", *way, cwd=folder)
+    assert (run.returncode, run.stdout) == (2, "")
+    assert way[0] in run.stderr.splitlines()[-1]
+
+
+@pytest.mark.parametrize(
+    ("other", "wanted"),
+    [
+        (
+            camera(120, 128, 96),
+            "of the same shape; if it was scaled by 0.5, its camera has fx 60, fy 60, cx 31.5, cy 23.5, or --focal 60",
+        ),
+        (
+            camera(30, 32, 24, [-0.1, 0, 0, 0]),
+            "scaled by 2, its camera has fx 60, fy 60, cx 31.5, cy 23.5, dist as it is",
+        ),
+        (camera(60, 48, 64), "it is turned by a quarter"),
+        (camera(60, 64, 64), "it is of another shape, so it was cut, or is another camera's"),
+    ],
+)
+def test_a_picture_of_another_size_than_its_camera_says_what_to_do(folder, other, wanted):
+    (folder / "other.json").write_text(json.dumps(other))
+    lines = refused(folder, "perceive", "plain.png", "--camera", "other.json", "--kb", "towers", "-o", "out.json")
+    size = f"{other['width']}x{other['height']}"
+    assert_lines(lines, [f"other.json: the camera is {size}, but plain.png is 64x48: "])
+    assert lines[0].endswith(wanted) or wanted in lines[0]
+
+
+def test_batch_takes_the_same_ways_and_resumes_by_them(folder):
+    names = ["plain.png", "phone.jpg"]
+    (folder / "camera.json").unlink()
+    good("batch", *names, "--kb", "towers", "--full", "--fov", "90", "-o", "out.jsonl", cwd=folder)
+    lines = [json.loads(line) for line in (folder / "out.jsonl").read_text().splitlines()]
+    assert [line["interpretation"]["camera"]["K"][0][0] for line in lines] == [pytest.approx(32.0)] * 2
+    assert [line["options"]["fov"] for line in lines] == [90.0, 90.0]
+    again = plogic(
+        "batch", *names, "--kb", "towers", "--full", "--fov", "91", "--resume", "-o", "out.jsonl", cwd=folder
+    )
+    assert again.returncode == 1
+    assert "was made by other options: fov 90.0" in again.stderr
+
+
+def test_batch_guesses_by_exif_and_its_lines_say_so(folder):
+    (folder / "camera.json").unlink()
+    run = plogic("batch", "plain.png", "phone.jpg", "--kb", "towers", "-o", "out.jsonl", cwd=folder)
+    assert run.returncode == 1
+    wrong, guessed = (json.loads(line) for line in (folder / "out.jsonl").read_text().splitlines())
+    assert wrong["error"].startswith("plain.png: an image needs its camera")
+    assert guessed["notes"] == [
+        "camera guessed from EXIF: 28 mm equivalent, focal 52 px; no lens distortion known",
+        TURNED,
+    ]
+    assert run.stderr.splitlines()[-1] == "out.jsonl: 2 frames, 1 bad, 1 with a camera guessed from EXIF (notes)"
