@@ -72,6 +72,6 @@ class Worker:
         if frame.kind == "gamma":
             return None
         camera = camera_of(frame, self.settings.camera)
-        for path in camera.files():
-            checked(path)
+        if (source := camera.source()) is not None:
+            checked(source)
         return shot_of(frame.input, camera)
