@@ -56,7 +56,7 @@ class GivenCamera:
         return None if self.file is None else cameras_file(Path(part_of(self.file)[0]))
 
     def parts(self, photo: str) -> list[Path | str]:
-        """All that the camera of a picture is made of: the file, and ``#NAME`` of the one of many. Raises CameraError."""
+        """All that the camera of a picture is made of: the file, ``#NAME`` of the one of many. Raises CameraError."""
         from geometry.files.colmap_files import taken_by
 
         source = self.source()
