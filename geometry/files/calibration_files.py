@@ -50,7 +50,7 @@ MOST_MESSAGES = 8
 
 def calibration(text: str, size: Size) -> dict[str, Any]:
     """The contract's `camera` key of a calibration, or of a topic's messages where they agree. Raises CameraError."""
-    first, *others = list(_messages(text)) or [text]
+    first, *others = list(_messages(text)) or [""]
     content = read_yaml(first)
     if not isinstance(content, Mapping):
         raise CameraError(f"must be a camera in JSON, YAML or COLMAP's text, not {type(content).__name__}")

@@ -121,6 +121,8 @@ def _from_bop(document: Document, path: Path, frame: str | int | None, size: Siz
 
 def _chosen(entries: Mapping[str, Any], frame: str | int | None, kind: str, why: str = "") -> tuple[str, Any]:
     """The entry called `frame`, with its name; the only one where no name is given."""
+    if not entries:
+        raise CameraError("has no camera")
     if frame is None and len(entries) == 1:
         return next(iter(entries.items()))
     known = ", ".join([*entries][:8]) + (", ..." if len(entries) > 8 else "")

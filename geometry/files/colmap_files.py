@@ -19,7 +19,7 @@ from pathlib import Path, PurePosixPath
 from typing import Any, BinaryIO, NamedTuple
 
 from geometry.errors import CameraError
-from geometry.files.plain_files import fault_of
+from geometry.files.plain_files import IS_FOLDER, fault_of
 
 MAX_IMAGES = 4 * 2**30
 """Bytes of a file of images, of which only the names are kept."""
@@ -128,7 +128,7 @@ def colmap_binary(data: bytes) -> dict[str, Stated]:
 
 def cameras_file(path: Path) -> Path:
     """The file of cameras that a reconstruction's folder, or such a file itself, stands for. Raises CameraError."""
-    if not path.is_dir():
+    if fault_of(path) != IS_FOLDER:
         return path
     for place in PLACES:
         for kind in ("cameras.bin", "cameras.txt"):
