@@ -8,7 +8,8 @@ from typing import Any
 import click
 
 from plogic.face.authoring.kb_group import kb
-from plogic.face.commands.clicked import batch, bop, measures, next_view, schema
+from plogic.face.commands.bench import bench
+from plogic.face.commands.clicked import batch, bop, measures, next_view, schema, watch
 from plogic.face.shown.options import (
     AS_JSON,
     BEST_BY,
@@ -18,6 +19,7 @@ from plogic.face.shown.options import (
     DEADLINE,
     DIGITS,
     DV_OVER,
+    EVERY,
     FIRST_READING,
     GENERATOR,
     GIVEN,
@@ -40,8 +42,6 @@ from plogic.face.shown.options import (
     say,
 )
 
-SIZED = "places", "sizes", "scale", "panorama", "stereo", "constancy", "look-again", "occlusion", "attention"
-BENCHES = "towers", "worlds", "programs", "recognition", "box", "clutter", "many", "calibration", "batch", *SIZED
 NO_MEMORY = "failed to map segment", "Cannot allocate memory", "Insufficient memory", "can't start new thread"
 """What libraries say in whose errors memory ran out."""
 
@@ -108,6 +108,7 @@ def demo(out: Path | None, seed: int, reading: Any, look_again: bool, paper: boo
 @SMOOTHING
 @GENERATOR
 @BEST_BY
+@EVERY
 @click.option("-o", "--out", default="-", help="File to write; `-` is stdout (default).")
 @click.option("--report", type=click.Path(path_type=Path), help="Also write the page.")
 @click.option(
@@ -117,8 +118,8 @@ def demo(out: Path | None, seed: int, reading: Any, look_again: bool, paper: boo
 def perceive(inputs: tuple[str, ...], kb_folder: str, **options: Any) -> None:
     """Interpret INPUT, an image or a Γ file (`-` is a Γ on stdin), with a knowledge base.
 
-    Several, from a camera whose places are known (--poses, or T_world_camera in each Γ), are views of one world: they
-    give a panorama.
+    Several, from a camera whose places are known (--poses, or T_world_camera in its camera), are views of one world:
+    they give a panorama. So do the frames of a video, clip_000000 and so on, 1,000 at most; each by itself: `batch`.
     """
     from plogic.face.commands.perceive import perceive_command
 
@@ -284,48 +285,6 @@ def simulate(kb_folder: str, seed: int, out: Path, **options: Any) -> None:
 
 
 @cli.command()
-@click.argument("name", type=click.Choice(BENCHES))
-@click.option("--scenes", type=click.IntRange(1), default=120, show_default=True, help="Scenes of `towers`.")
-@click.option(
-    "--limit",
-    type=Number(0.0, min_open=True),
-    default=60.0,
-    show_default=True,
-    help="Seconds of a stock run (`worlds`, `programs`) or of a peer (`recognition`, `clutter`, `many`).",
-)
-@click.option(
-    "--quick",
-    is_flag=True,
-    help="Small sizes of `worlds` and `programs`, the box alone, few scenes or trials of the others; not of `towers`.",
-)
-@click.option(
-    "--picture",
-    type=click.Path(path_type=Path),
-    help="JPEG of `box`: a frame at two focal lengths; SVG of `calibration`.",
-)
-@click.option("--seed", type=SEED, default=0, show_default=True)
-@AS_JSON
-def bench(name: str, scenes: int, limit: float, quick: bool, picture: Path | None, seed: int, as_json: bool) -> None:
-    """Run one of the project's own benchmarks; it ends with its claims."""
-    from importlib import import_module
-
-    if quick and name == "towers":
-        raise click.UsageError("--quick: `towers` takes --scenes")
-    if picture is not None and name not in {"box", "calibration"}:
-        raise click.UsageError(f"--picture: `{name}` draws none; `box` and `calibration` do")
-    drawn = {"quick": quick, "picture": picture}
-    sized = {"quick": quick}
-    others: dict[str, dict[str, Any]] = {"towers": {"scenes": scenes}, "box": drawn, "calibration": drawn}
-    others |= dict.fromkeys(SIZED, sized)
-    options: dict[str, Any] = others.get(name, {"limit": limit, "quick": quick})
-    text, met = import_module(f"benchmarks.{name.replace('-', '_')}.bench").run(
-        seed=seed, **options, as_json=as_json, say=say
-    )
-    emit(text)
-    sys.exit(0 if met else 1)
-
-
-@cli.command()
 @click.argument("name", metavar="bash|zsh|fish", type=click.Choice(["bash", "zsh", "fish"]))
 def completion(name: str) -> None:
     """Print what makes a shell complete commands and options; its comment says where to put it."""
@@ -346,7 +305,9 @@ def man() -> None:
 
 cli.add_command(kb)
 cli.add_command(bop)
+cli.add_command(bench)
 cli.add_command(batch)
+cli.add_command(watch)
 cli.add_command(next_view)
 cli.add_command(measures)
 cli.add_command(schema)

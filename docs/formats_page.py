@@ -38,38 +38,6 @@ What no schema says, and the readers check too: a pose is rigid, ids are told on
 type is one of the KB's, `depth` and `depth_sigma` come together, a hypothesis or an appearance that is named is there, and
 a move has one of its two poses."""
 
-CAMERAS = """### Cameras from elsewhere
-
-A picture's camera is told in one of these ways; two at once are an error (`perceive`, `batch`, `kb learn --photo`):
-
-| option | the camera |
-|---|---|
-| `--camera FILE` | that of the file: the JSON above, alone or as the key `camera` of another document, or a kind of the next table |
-| `--camera FILE#NAME` | one of many: COLMAP's camera id, BOP's image number. Without a name the picture's own is taken: by its name in `images.txt` or `images.bin`, by its number in `scene_camera.json` |
-| `--fov DEG` | ideal, with this field of view from the left edge to the right |
-| `--fov-diagonal DEG` | ideal, with this field of view from corner to corner, as phones state it |
-| `--focal PX` | ideal, with this focal length |
-| none | `batch`: that of `camera.json` beside the picture. Else ideal, with the focal length in the picture's EXIF, and one line says so |
-
-An ideal camera has square pixels, no lens distortion, and its principal point in the middle of the picture.
-
-| file | what is read, and what is put right |
-|---|---|
-| ROS `camera_info` YAML | K and D, those of raw pictures; `plumb_bob` and `rational_polynomial` |
-| `ros2 topic echo`, `rostopic echo` | the same of printed messages, which must agree; binning and region of interest are applied. What was cut off (`'...'`) is an error: `--full-length` prints it |
-| OpenCV FileStorage YAML | `camera_matrix`, `distortion_coefficients`, `image_width`, `image_height` |
-| BOP `camera.json`, `scene_camera.json` | millimetres become metres |
-| COLMAP `cameras.txt`, `cameras.bin`, or a folder that holds one, also in `sparse/0` or `sparse` | SIMPLE_PINHOLE, PINHOLE, SIMPLE_RADIAL, RADIAL, OPENCV, FULL_OPENCV. A pixel's centre is at .5 there and at .0 here, so half a pixel is taken from the principal point. Poses are not read: they have no scale |
-
-EXIF is read of JPEG, PNG (`eXIf`), WebP and TIFF. FocalLengthIn35mmFilm is an equivalent by the diagonal, whatever the shape
-of the picture (CIPA DCG-001): focal length in pixels = diagonal in pixels × equivalent / 43.27 mm. Without it, FocalLength
-with FocalPlaneXResolution. A picture of another shape than EXIF's was cut, and nothing is guessed. Pixels are those of the
-file as it is stored: an orientation tag turns nothing, which is said (OpenCV itself turns a TIFF). Where a camera is given
-and EXIF tells a focal length that is a third longer or shorter, a line warns.
-
-A picture of another size than its camera is an error. Where it has the same shape, the error tells the numbers of the camera
-that was scaled with it: nothing is scaled unasked, for a cut for video has the same shape, too."""
-
 
 def page() -> str:
     """The page."""
@@ -80,7 +48,6 @@ def page() -> str:
         kinds = f" A document is one {kinds}." if kinds else ""
         parts += [f"## Format {name}", f"{one.title}. {one.used}{kinds}", f"```json\n{_example(name)}```"]
         parts += [_table(table) for table in tables(one.shape) if table not in known]
-        parts += [CAMERAS] if name == "camera" else []
         known |= set(tables(one.shape))
     return "\n\n".join(parts) + "\n"
 

@@ -23,8 +23,6 @@ from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike
-from scipy.optimize import nnls
-from scipy.spatial import ConvexHull, QhullError
 
 from geometry.arrays import Floats, Ints, last_axes
 from geometry.bodies.overlap import Solid, balls_of, near_places
@@ -214,6 +212,8 @@ def _difference(p: Floats, q: Floats, *, whole: bool) -> _Difference | None:
 
     None where rounding leaves them no volume.
     """
+    from scipy.spatial import ConvexHull, QhullError
+
     few = whole or len(p) * len(q) <= MOST_CORNERS
     try:
         points = (p[:, None] - q[None]).reshape(-1, 3) if few else _near_the_origin(p, q)
@@ -229,6 +229,8 @@ def _near_the_origin(p: Floats, q: Floats) -> Floats:
 
     A polytope grows there until it reaches the boundary (EPA).
     """
+    from scipy.spatial import ConvexHull
+
     hull = ConvexHull(_supports(p, q, np.concatenate([np.eye(3), -np.eye(3)])), incremental=True)
     while True:
         reach = -hull.equations[:, 3]
@@ -287,6 +289,8 @@ def _shortest(outside: Floats) -> Floats | None:
 
     None where there is none.
     """
+    from scipy.optimize import nnls
+
     size = float(np.abs(outside[:, 3]).max())
     force, _ = nnls(np.vstack([outside[:, :3].T, outside[:, 3] / size]), np.array([0.0, 0.0, 0.0, 1.0]))
     left = np.concatenate([outside[:, :3].T @ force, [outside[:, 3] @ force / size - 1.0]])

@@ -19,7 +19,6 @@ from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike
-from scipy.spatial import ConvexHull, QhullError, cKDTree
 
 from geometry.arrays import Floats, Ints, last_axes
 from geometry.errors import GeometryError
@@ -142,6 +141,8 @@ def least_width(points: Floats) -> tuple[float, Floats] | None:
 
     None of points in a plane.
     """
+    from scipy.spatial import ConvexHull, QhullError
+
     try:
         normals = ConvexHull(points).equations[:, :3]
     except (QhullError, ValueError):
@@ -170,11 +171,10 @@ class Balls(NamedTuple):
 
 
 class Spread(NamedTuple):
-    """``points`` (N, 3) m, object frame, their k-d tree, and the ``balls`` of the facets."""
+    """``points`` (N, 3) m, object frame, and their k-d tree."""
 
     points: Floats
     tree: Any
-    balls: Balls
 
 
 def gap(x: PosedSurface, y: PosedSurface, solids: tuple[Solid | None, Solid | None] = (None, None)) -> float:
@@ -220,7 +220,7 @@ def _followed(x: PosedSurface, y: PosedSurface, x_from_y: Floats) -> float:
 
 def _nearest(surface: PosedSurface, place: Floats) -> Floats:
     """The place (3,) of a surface that is nearest to another, object frame."""
-    near = near_places(surface.vertices, surface.triangles, spread(surface.rays).balls, place)
+    near = near_places(surface.vertices, surface.triangles, _balls(surface.rays), place)
     return np.asarray(near[np.linalg.norm(near - place, axis=1).argmin()])
 
 
@@ -237,8 +237,16 @@ def balls_of(corners: Floats) -> Balls:
 
 
 @lru_cache(maxsize=256)
+def _balls(rays: RayMesh) -> Balls:
+    """Of the facets of one surface, once."""
+    return balls_of(rays.vertices[rays.triangles])
+
+
+@lru_cache(maxsize=256)
 def spread(rays: RayMesh) -> Spread:
     """Of one surface, once; always the same points."""
+    from scipy.spatial import cKDTree
+
     rng = np.random.default_rng(0)
     corners = rays.vertices[rays.triangles]
     a, b, c = np.moveaxis(corners, 1, 0)
@@ -248,7 +256,7 @@ def spread(rays: RayMesh) -> Spread:
     points = np.concatenate(
         [rays.vertices[:: 1 + len(rays.vertices) // SPREAD], u * a[some] + (v - u) * b[some] + (1.0 - v) * c[some]]
     )
-    return Spread(points, cKDTree(points), balls_of(corners))
+    return Spread(points, cKDTree(points))
 
 
 def nearest_places(corners: Floats, place: Floats) -> Floats:

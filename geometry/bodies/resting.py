@@ -17,7 +17,6 @@ from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.spatial import ConvexHull, QhullError
 
 from geometry.arrays import Floats, Ints
 
@@ -76,6 +75,8 @@ def resting_faces(points: Floats) -> RestingFaces:
 
     Points of a plane have none.
     """
+    from scipy.spatial import ConvexHull, QhullError
+
     none = RestingFaces(np.zeros((0, 3)), np.zeros(0))
     if not len(points):
         return none
@@ -126,6 +127,8 @@ def _support(vertices: Floats, normal: Floats, reach: float, middle: Floats, gra
 
     Of vertices (V, 3) about a face.
     """
+    from scipy.spatial import ConvexHull
+
     axes = along_plane(normal)
     held: Any = ConvexHull(vertices[vertices @ normal > reach - grain / 2.0] @ axes)
     return -float((held.equations[:, :2] @ (middle @ axes) + held.equations[:, 2]).max()), float(held.volume)
@@ -176,6 +179,8 @@ def shape_of(parts: Iterable[Floats], vertices: Floats, triangles: Ints, *, exac
 
 def hull_corners(vertices: Floats) -> Floats:
     """Those of the vertices (V, 3) that their hull needs; all of them where they lie in a plane."""
+    from scipy.spatial import ConvexHull, QhullError
+
     try:
         return np.asarray(vertices[np.sort(ConvexHull(vertices).vertices)])
     except QhullError:

@@ -8,8 +8,6 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import ArrayLike
-from scipy.optimize import least_squares
-from scipy.spatial.transform import Rotation
 
 from geometry.arrays import Floats, last_axes
 from geometry.camera import NEAREST, Camera, centred_camera
@@ -129,6 +127,8 @@ def _starts(objects: Floats, seen: Floats, camera: Camera) -> Floats:
 
     Its middle is that of the clicks, at the distance that its size tells.
     """
+    from scipy.spatial.transform import Rotation
+
     turns = (Rotation.create_group("O") * Rotation.from_rotvec([0.4, 0.3, 0.2])).as_matrix()
     nods = Rotation.from_rotvec([[0, 0, 0], [0.7, 0, 0], [0, 0.7, 0]]).as_matrix()
     rotations = (nods[:, None] @ turns[None]).reshape(-1, 3, 3)
@@ -145,6 +145,9 @@ def _refined(objects: Floats, seen: Floats, camera: Camera, pose: Floats) -> tup
 
     The standard error of the focal length, px, least and as seen.
     """
+    from scipy.optimize import least_squares
+    from scipy.spatial.transform import Rotation
+
     scale, centre = float(pose[2, 3]), camera.K[:2, 2]
 
     def at(x: Floats) -> tuple[float, Floats]:

@@ -21,6 +21,7 @@ import networkx as nx
 import numpy as np
 from numpy.typing import NDArray
 
+from geometry.arrays import lengths
 from kb.clouds.learned import LearnedCloud
 from kb.clouds.lobes import Feature, LobeTable, freeze, lobe_table, object_nodes
 from kb.clouds.words import Words
@@ -255,8 +256,15 @@ def word_clutter(types: Sequence[ObjectType], words: Sequence[str]) -> dict[str,
     return {name: KEYPOINTS * seen[name] / total for name in words}
 
 
+FEW = 100_000
+"""Distances that are all computed; of more, a tree is searched."""
+
+
 def _nearest(points: NDArray[np.float64], places: NDArray[np.float64]) -> NDArray[np.intp]:
     """(N,) the place (P, 3) nearest to each of the points (N, 3); the first of equals."""
+    if len(points) * len(places) <= FEW:
+        table = lengths(points[:, None] - places)
+        return (table <= table.min(axis=1, keepdims=True) * (1 + 1e-9) + 1e-12).argmax(axis=1)
     from scipy.spatial import cKDTree
 
     far = cKDTree(places).query(points)[0]

@@ -265,9 +265,10 @@ MAX_MESH_BYTES = 200_000_000
 
 @dataclass
 class Folder:
-    """The ``contents`` read so far, by relative path, and the ``mistakes`` found so far."""
+    """The ``contents`` read so far, by relative path, and the ``mistakes`` found so far; ``kept``: for surfaces."""
 
     root: Path
+    kept: Path | None = None
     contents: dict[str, bytes] = field(default_factory=dict)
     mistakes: list[Mistake] = field(default_factory=list)
 

@@ -19,9 +19,10 @@ from kb.clouds.words import Words, dominant, read_words
 from kb.errors import CloudError, KBErrors, Mistake, SurfaceError
 from kb.files.branches import branch_of, checked, cross_mistakes, misplaced, nodes, outline, path_to, without
 from kb.files.folder import MAX_MESH_BYTES, Document, Folder, Keys
+from kb.files.kept_surfaces import kept_surface
 from kb.files.schema import CountsModel, KBModel, ObjectModel
 from kb.files.values import LENGTHS
-from kb.surfaces.surface import Surface, surface_from_mesh
+from kb.surfaces.surface import Surface
 from kb.surfaces.symmetries import motions
 
 Kind = TypeVar("Kind")
@@ -165,13 +166,15 @@ class _Object:
     learned: LearnedCloud | None
 
 
-def read_kb(folder: Path | str) -> KnowledgeBase:
+def read_kb(folder: Path | str, kept: Path | None = None) -> KnowledgeBase:
     """The knowledge base of a folder: ``kb.yaml``, ``objects/NAME/object.yaml`` with its mesh, ``rules.pl``.
+
+    ``kept``: where surfaces that were read are kept from run to run.
 
     Raises:
         KBErrors: with every mistake of every file.
     """
-    place = Folder(Path(folder))
+    place = Folder(Path(folder), kept)
     _check_folder(place.root)
     document = place.document(place.root / "kb.yaml")
     if document is None:
@@ -254,9 +257,10 @@ def _object(place: Folder, path: Path) -> _Object | None:
 
 def _surface(place: Folder, document: Document, folder: Path, scale: float) -> tuple[Path | None, Surface | None]:
     path = _named(place, document, folder, ("mesh", "file"), "mesh", MAX_MESH_BYTES)
-    if path is not None and place.content(path, MAX_MESH_BYTES) is not None:
+    content = place.content(path, MAX_MESH_BYTES) if path is not None else None
+    if path is not None and content is not None:
         try:
-            return path, surface_from_mesh(path, scale)
+            return path, kept_surface(path, content, scale, place.kept)
         except SurfaceError as error:
             place.mistakes.append(document.mistake(("mesh", "file"), str(error)))
     return None, None

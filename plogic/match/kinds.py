@@ -9,11 +9,7 @@ from pathlib import Path
 from typing import NamedTuple
 
 from kb.clouds.cloud import KnowledgeBase, ObjectType
-from plogic.match.hand.hand_models import HandModels
 from plogic.match.judged.type_models import Setup, TypeModel, TypeModels
-from plogic.match.learned.learned_models import LearnedModels
-from plogic.match.oriented.oriented_models import OrientedModels
-from plogic.match.plain.plain_models import Quadruples, SoftPosit
 
 FAST = "index"
 """The generator of every day, of the kinds that need not be asked for."""
@@ -31,14 +27,44 @@ class Kind(NamedTuple):
     asked: bool = False
 
 
+def _learned(setup: Setup) -> TypeModels:
+    from plogic.match.learned.learned_models import LearnedModels
+
+    return LearnedModels.of(setup)
+
+
+def _quadruples(setup: Setup) -> TypeModels:
+    from plogic.match.plain.plain_models import Quadruples
+
+    return Quadruples.of(setup)
+
+
+def _softposit(setup: Setup) -> TypeModels:
+    from plogic.match.plain.plain_models import SoftPosit
+
+    return SoftPosit.of(setup)
+
+
+def _oriented(setup: Setup) -> TypeModels:
+    from plogic.match.oriented.oriented_models import OrientedModels
+
+    return OrientedModels.of(setup)
+
+
+def _hand(setup: Setup) -> TypeModels:
+    from plogic.match.hand.hand_models import HandModels
+
+    return HandModels.of(setup)
+
+
 KINDS = (
-    Kind("learned", LearnedModels.of, lambda kind, _: kind.learned is not None),
-    Kind("quadruples", Quadruples.of, lambda kind, _: kind.learned is None, asked=True),
-    Kind("softposit", SoftPosit.of, lambda kind, _: kind.learned is None, asked=True),
-    Kind("oriented", OrientedModels.of, lambda _, kb: kb.rates.sigma_angle is not None),
-    Kind("hand", HandModels.of, lambda _, __: True),
+    Kind("learned", _learned, lambda kind, _: kind.learned is not None),
+    Kind("quadruples", _quadruples, lambda kind, _: kind.learned is None, asked=True),
+    Kind("softposit", _softposit, lambda kind, _: kind.learned is None, asked=True),
+    Kind("oriented", _oriented, lambda _, kb: kb.rates.sigma_angle is not None),
+    Kind("hand", _hand, lambda _, __: True),
 )
-"""All kinds; a type is of the first that holds it."""
+"""All kinds, each read when a type is of it; a type is of the first that holds it."""
 GENERATORS = FAST, *(kind.name for kind in KINDS if kind.asked)
 """Who may propose poses of hand-modelled types."""
 

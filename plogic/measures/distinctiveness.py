@@ -11,12 +11,12 @@ Vocabulary:
 from __future__ import annotations
 
 from collections import Counter
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING, NamedTuple, TypeVar
 
 import numpy as np
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable, Mapping, Sequence
+    from collections.abc import Collection, Hashable, Iterable, Mapping, Sequence
 
     from numpy.typing import NDArray
 
@@ -79,19 +79,65 @@ def best_substitution(weights: NDArray[np.float64], allowed: NDArray[np.bool_]) 
     """The legal θ of greatest Σ weight over matched features: a maximum-weight bipartite matching (§5.3).
 
     ``weights`` (F,) ≥ 0 per feature, ``allowed`` (F, A). Features of weight 0 are matched where that costs nothing.
-    Oracle: brute force.
+    Oracles: brute force, and SciPy's ``linear_sum_assignment``.
     """
-    from scipy.optimize import linear_sum_assignment
-
-    if allowed.size == 0:
-        return {}
-    rows, columns = linear_sum_assignment(
-        np.where(allowed, -weights[:, None] - 1e-12, 0.0)
-    )  # with maximize=True SciPy makes a copy, and ends the process where there is no room for it
-    return {int(f): int(a) for f, a in zip(rows, columns, strict=True) if allowed[f, a]}
+    ways = [np.flatnonzero(row).tolist() for row in allowed]
+    return _served(weights, ways, dict.fromkeys(range(allowed.shape[1]), 1))
 
 
-def valuation(weights: NDArray[np.float64], substitution: Mapping[int, int]) -> float:
+Kind = TypeVar("Kind", bound="Hashable")
+
+
+def _served(weights: NDArray[np.float64], ways: Sequence[Iterable[Kind]], room: dict[Kind, int]) -> dict[int, Kind]:
+    """The features of greatest Σ weight that can be served together, in their order, and by what kind of appearance.
+
+    ``ways``: the kinds that may serve each feature; ``room``: how many of each kind are there. The heaviest comes
+    first, and whom it displaces is served otherwise: sets that can be served together are a matroid, so the greedy
+    choice is the best, and who finds no way now finds none later.
+    """
+    serves: dict[int, Kind] = {}
+    held: dict[Kind, list[int]] = {kind: [] for kind in room}
+    full: set[Kind] = {kind for kind, count in room.items() if not count}
+    for feature in np.argsort(-weights, kind="stable").tolist():
+        asks: dict[Kind, int] = {}
+        free = _free_kind(feature, ways, room, held, full, asks)
+        if free is None:
+            full.update(asks)
+            continue
+        room[free] -= 1
+        while True:
+            one = asks[free]
+            held[free].append(one)
+            before = serves.get(one)
+            serves[one] = free
+            if before is None:
+                break
+            held[before].remove(one)
+            free = before
+    return dict(sorted(serves.items()))
+
+
+def _free_kind(
+    feature: int,
+    ways: Sequence[Iterable[Kind]],
+    room: Mapping[Kind, int],
+    held: Mapping[Kind, list[int]],
+    full: Collection[Kind],
+    asks: dict[Kind, int],
+) -> Kind | None:
+    """A kind with room that a feature comes to, others giving way; ``asks``: who asks for each kind."""
+    asking = [feature]
+    for one in asking:  # it grows
+        for kind in ways[one]:
+            if kind in room and kind not in asks and kind not in full:
+                asks[kind] = one
+                if room[kind]:
+                    return kind
+                asking += held[kind]
+    return None
+
+
+def valuation(weights: NDArray[np.float64], substitution: Iterable[int]) -> float:
     """Take v(Type, θ) = Σ dv(matched features) / Σ dv(all features of Type); 0 where every dv is 0 (§5.3, §5.1)."""
     total = float(weights.sum())
     heavy = weights.tolist()
@@ -103,6 +149,11 @@ def valuation(weights: NDArray[np.float64], substitution: Mapping[int, int]) -> 
 def rank(weights: NDArray[np.float64], allowed: NDArray[np.bool_]) -> float:
     """Best valuation of a type over all legal θ (§5.3)."""
     return valuation(weights, best_substitution(weights, allowed))
+
+
+def rank_of_looks(weights: NDArray[np.float64], looks: Sequence[Iterable[str]], there: Mapping[str, int]) -> float:
+    """``rank`` of features that look like any of some types each, among so many appearances of each type."""
+    return valuation(weights, _served(weights, looks, dict(there)))
 
 
 def rank_of_kinds(weights: NDArray[np.float64], kinds: Kinds, there: Mapping[str, int]) -> float:

@@ -138,8 +138,11 @@ def shot_with(
     """
     from sensing.files.exif import Exif
 
-    size, exif = (image.shape[1], image.shape[0]), exif or Exif()
+    size = image.shape[1], image.shape[0]
     camera = given.of(size, source)
+    if camera is None and exif is None:
+        raise InputError(f"{source}: an image needs its camera: give {ways}")
+    exif = exif or Exif()
     if camera is None:
         return Shot(image, *_guessed(size, source, exif, ways))
     if given.file is not None:

@@ -8,11 +8,11 @@ from time import monotonic
 import numpy as np
 from numpy.typing import NDArray
 
+from geometry.files.remembered import cache_folder
 from kb.clouds.cloud import KnowledgeBase
 from plogic.base.clock import Stopwatch
 from plogic.base.errors import InconsistentError, InputError
 from plogic.base.jobs import processors
-from plogic.base.remembered import cache_folder
 from plogic.cycle.delta import Delta, Options, delta_of
 from plogic.cycle.judging import over_instances
 from plogic.cycle.perception import Seed, perceive

@@ -83,6 +83,7 @@ def kb_of(folder: str) -> "KnowledgeBase":
 
     Its rules are held to the allow-list here, before any work is done with it. Raises KBError, ProgramError.
     """
+    from geometry.files.remembered import cache_folder
     from kb.files.folder import shipped
     from kb.files.read import read_kb
     from plogic.logic.safety.atoms import Names
@@ -90,7 +91,7 @@ def kb_of(folder: str) -> "KnowledgeBase":
     from plogic.scene.text.rules import defined
 
     path = Path(folder)
-    kb = read_kb(path if is_there(path) or "/" in folder else shipped(folder))
+    kb = read_kb(path if is_there(path) or "/" in folder else shipped(folder), cache_folder("surfaces"))
     author_rules(kb.rules, Names({}, {}), defined())
     return kb
 

@@ -264,13 +264,15 @@ def merged(segments: Floats) -> Floats:
     Longest first.
     """
     rest = _longest_first(segments)
+    along, _, length = directions(rest)
+    left = np.arange(len(rest))
     done: list[Floats] = []
-    while len(rest):
-        one, rest = rest[0], rest[1:]
-        while (mates := _mates(one, rest)).any():
-            for other in rest[mates]:
+    while len(left):
+        one, left = rest[left[0]], left[1:]
+        while (mates := _mates(one, rest[left], along[left], length[left])).any():
+            for other in rest[left[mates]]:
                 one = _joined(one, other)
-            rest = rest[~mates]
+            left = left[~mates]
         done.append(one)
     return _longest_first(np.array(done).reshape(-1, 4))
 
@@ -280,10 +282,9 @@ def _longest_first(segments: Floats) -> Floats:
     return segments[np.argsort(-length, kind="stable")]
 
 
-def _mates(one: Floats, others: Floats) -> Mask:
-    """Which of (N, 4) ``others`` continue ``one`` (4,)."""
+def _mates(one: Floats, others: Floats, other_along: Floats, other_length: Floats) -> Mask:
+    """Which of (N, 4) ``others``, of these directions (N, 2) and lengths (N,), continue ``one`` (4,)."""
     along, normal, length = (x[0] for x in directions(one[None]))
-    other_along, _, other_length = directions(others)
     ends = others.reshape(-1, 2, 2) - one[:2]
     t, across = ends @ along, np.abs(ends @ normal)
     gap = np.maximum(t.min(axis=1) - length, -t.max(axis=1))

@@ -15,7 +15,6 @@ from typing import NamedTuple
 import cv2
 import numpy as np
 from numpy.typing import NDArray
-from scipy.spatial import cKDTree
 
 from geometry.arrays import Bytes, Floats
 from sensing.detectors.keypoints import WIDTH, Keypoints, grey_of, is_grey, ratios, sift_at
@@ -131,6 +130,8 @@ def _apart(found: list[_Region]) -> list[_Region]:
     """No two that are nearly the same; of those the most stable, then the largest."""
     if not found:
         return []
+    from scipy.spatial import cKDTree
+
     ranked = sorted(found, key=lambda region: (-region.step, -region.radius, *region.middle.tolist()))
     size = np.log([region.radius for region in ranked])
     near = cKDTree([region.middle for region in ranked]).query_ball_point([region.middle for region in ranked], SAME[0])

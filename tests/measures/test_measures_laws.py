@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from scipy.optimize import linear_sum_assignment
 
 from plogic.measures.distinctiveness import (
     best_substitution,
@@ -16,6 +17,7 @@ from plogic.measures.distinctiveness import (
     is_legal,
     probability_of_distinctiveness,
     rank,
+    rank_of_looks,
     valuation,
 )
 from plogic.measures.explanatory import (
@@ -128,6 +130,26 @@ def test_rank_is_the_best_over_all_legal_substitutions(matrix):
     substitution = best_substitution(weights, allowed)
     assert is_legal(substitution, allowed)
     assert isclose(rank(weights, allowed), brute_force(weights, allowed), abs_tol=1e-9)
+
+
+@given(st.integers(0, 2**32 - 1), st.integers(1, 25), st.integers(1, 25), st.floats(0.05, 0.9))
+def test_rank_is_that_of_scipys_assignment(seed, features, data, share):
+    rng = np.random.default_rng(seed)
+    weights, allowed = rng.choice([0.0, 0.3, 0.5, 0.97], features), rng.random((features, data)) < share
+    rows, columns = linear_sum_assignment(np.where(allowed, weights[:, None], 0.0), maximize=True)
+    best = sum(weights[f] for f, a in zip(rows, columns, strict=True) if allowed[f, a])
+    assert isclose(rank(weights, allowed) * weights.sum(), best, abs_tol=1e-9)
+
+
+@given(
+    st.lists(st.tuples(st.sampled_from([0.2, 0.5, 0.9]), st.sets(st.sampled_from("abcd"))), min_size=1, max_size=12),
+    st.dictionaries(st.sampled_from("abcd"), st.integers(0, 5)),
+)
+def test_counting_looks_gives_the_same_rank(features, there):
+    weights, looks = np.array([weight for weight, _ in features]), [sorted(some) for _, some in features]
+    names = [name for name, count in there.items() for _ in range(count)]
+    allowed = compatible([frozenset(some) for some in looks], names)
+    assert isclose(rank_of_looks(weights, looks, there), rank(weights, allowed), abs_tol=1e-12)
 
 
 def test_an_appearance_type_may_serve_several_feature_types():

@@ -17,6 +17,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from geometry.cones import even_directions
+from geometry.files.remembered import ROOT, cache_folder, forget_files_beside, source_digest, sources
 from kb.clouds.cloud import KnowledgeBase, ObjectType
 from kb.clouds.learned import LearnedCloud, cloud_bytes, read_cloud
 from kb.errors import CloudError
@@ -26,7 +27,6 @@ from kb.learning.photo import PaintedMesh, on_shown
 from kb.shown.cautions import compound_sizes, compounds_text
 from plogic.base.errors import InputError
 from plogic.base.jobs import ChildDiedError, afresh
-from plogic.base.remembered import ROOT, cache_folder, forget_files_beside, source_digest, sources
 from plogic.face.shown.options import Learning
 from plogic.face.shown.progress import Progress
 from sensing.detectors.keypoint_detector import described, edge_sides

@@ -40,7 +40,7 @@ def batch_command(inputs: Sequence[str], settings: Settings, options: Batching, 
     beside = waiting_beside(out)
     check_out([] if out == "-" else [Path(out), *([beside] if beside is not None else [])], resume=options.resume)
     _check_camera(settings.camera)
-    frames = frames_of(inputs, listed)
+    frames = frames_of(inputs, listed, options.every)
     with ending_well():
         engine = _engine(settings, options)
         try:

@@ -30,7 +30,7 @@ from plogic.match.hand.view_cells import ViewCells, view_cells
 from plogic.match.judged.evidence import sigmas_of
 from plogic.match.judged.expectation import matched, polished, pose_of, settled
 from plogic.match.judged.type_models import SURE, Found, Given, Ranks, Request, Search, Setup, TypeModels
-from plogic.measures.distinctiveness import compatible, rank
+from plogic.measures.distinctiveness import compatible, rank_of_looks
 
 CELLS_TRIED = 24
 """View cells whose rank is taken for the tie-break of attention, about: every so many-th of them."""
@@ -110,10 +110,11 @@ class TypeIndex:
         if self.in_line is not None:
             counted, chance = self._counted(here), self._counted(by_chance, neighbourhoods=1)
             return Ranks(float(counted[0]), float(chance[0]), float(counted[1:].max(initial=0.0)))
-        looks = [frozenset(a.type for a in feature.appearances) for feature in self.object_type.seen_features]
-        allowed, usual = (compatible(looks, list(some.elements())) for some in (here, by_chance))
-        some = (rank(self.weights[seen], allowed[seen]) for seen in self.neighbourhoods[1:] if seen.any())
-        return Ranks(rank(self.weights, allowed), rank(self.weights, usual), max(some, default=0.0))
+        looks = [sorted({a.type for a in feature.appearances}) for feature in self.object_type.seen_features]
+        whole, usual = (rank_of_looks(self.weights, looks, some) for some in (here, by_chance))
+        shown = (np.flatnonzero(seen).tolist() for seen in self.neighbourhoods[1:] if seen.any())
+        some = (rank_of_looks(self.weights[seen], [looks[f] for f in seen], here) for seen in shown)
+        return Ranks(whole, usual, max(some, default=0.0))
 
     def _counted(self, there: Counter[str], neighbourhoods: int | None = None) -> Floats:
         """The rank within each of the first ``neighbourhoods`` where each feature has one appearance type.

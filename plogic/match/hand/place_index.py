@@ -11,7 +11,7 @@ are looked up by three appearance types, of all object types at once.
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
-from itertools import combinations, product
+from itertools import combinations
 from itertools import permutations as orders
 from typing import TYPE_CHECKING, Any
 
@@ -31,6 +31,8 @@ NEIGHBOURS = 10
 """Nearest features of a view cell among which the other two of a triple are sought."""
 MOST = 6_000
 """Triples of a type at most: those that are neighbours in the most view cells."""
+SETS = 500
+"""Sets of three features that are looked at together."""
 FLAT = 0.12
 """Sine of the angle at the first corner of a triple at least."""
 SAME = 1e-3
@@ -179,11 +181,9 @@ def _triples_of(index: PlaceIndex, kind: int) -> Triples:
     """The triples of one type, in no order."""
     own, points = index.indices[kind], index.indices[kind].points
     sets = least_sets(neighbours(own.cells), permutations(points, own.object_type.symmetries))
-    three, looks = _by_looks(sets, _looks_of(index, kind))
+    three, looks = _first_triples(sets, _looks_of(index, kind), points)
     u, v = (points[three[:, k]] - points[three[:, 0]] for k in (1, 2))
-    cross, size = np.cross(u, v), lengths(u) * lengths(v)
-    some = np.flatnonzero(lengths(cross) > FLAT * size)[:MOST]
-    three, looks, u, v, cross = three[some], looks[some], u[some], v[some], cross[some]
+    cross = np.cross(u, v)
     x, normal = u / lengths(u)[:, None], cross / lengths(cross)[:, None]
     axes = np.stack([x, np.cross(normal, x), normal], axis=1)
     sides = np.einsum("nij,knj->nik", axes[:, :2], np.stack([u, v]))
@@ -196,6 +196,20 @@ def _triples_of(index: PlaceIndex, kind: int) -> Triples:
         axes.astype(np.float32),
         np.linalg.inv(sides).astype(np.float32),
     )
+
+
+def _first_triples(sets: Indices, looks: Indices, points: Floats) -> tuple[Indices, Indices]:
+    """The first ``MOST`` of ``_by_looks`` that do not lie nearly on a line; of no more sets than these need."""
+    found = [(np.zeros((0, 3), np.intp), np.zeros((0, 3), np.intp))]
+    count = start = 0
+    while start < len(sets) and count < MOST:
+        three, own = _by_looks(sets[start : start + SETS], looks)
+        u, v = (points[three[:, k]] - points[three[:, 0]] for k in (1, 2))
+        some = np.flatnonzero(lengths(np.cross(u, v)) > FLAT * lengths(u) * lengths(v))[: MOST - count]
+        found.append((three[some], own[some]))
+        count, start = count + len(some), start + SETS
+    three, own = (np.concatenate(column) for column in zip(*found, strict=True))
+    return three, own
 
 
 def _looks_of(index: PlaceIndex, kind: int) -> Indices:
@@ -213,10 +227,11 @@ def _by_looks(sets: Indices, looks: Indices) -> tuple[Indices, Indices]:
     found = [(np.zeros(0, np.intp), np.zeros((0, 3), np.intp), np.zeros((0, 3), np.intp))]
     for way in map(list, orders(range(3))):
         three = sets[:, way]
-        for slots in product(range(looks.shape[1]), repeat=3):
-            own = looks[three, slots]
-            right = np.flatnonzero((own[:, 0] >= 0) & (own[:, 0] <= own[:, 1]) & (own[:, 1] <= own[:, 2]))
-            found.append((right, three[right], own[right]))
+        a, b, c = np.moveaxis(looks[three], 1, 0)
+        rising = b[:, :, None] <= c[:, None]
+        for least in a.T:
+            right, second, third = np.nonzero(((least >= 0)[:, None] & (least[:, None] <= b))[:, :, None] & rising)
+            found.append((right, three[right], np.column_stack([least[right], b[right, second], c[right, third]])))
     of, three, own = (np.concatenate(column) for column in zip(*found, strict=True))
     order = np.argsort(of, kind="stable")
     return three[order], own[order]
@@ -228,15 +243,18 @@ def neighbours(cells: ViewCells) -> Indices:
     near = min(NEIGHBOURS, count - 1)
     if near < 2:
         return np.zeros((0, 3), np.intp)
-    apart = ((cells.xy[:, :, None] - cells.xy[:, None]) ** 2).sum(axis=3)
+    x, y = np.moveaxis(cells.xy, 2, 0)
+    apart = (x[:, :, None] - x[:, None]) ** 2 + (y[:, :, None] - y[:, None]) ** 2
     apart[~(cells.visible[:, :, None] & cells.visible[:, None])] = np.inf
     apart[:, np.arange(count), np.arange(count)] = np.inf
     order = np.argsort(apart, axis=2, kind="stable")[:, :, :near]
     there = np.isfinite(np.take_along_axis(apart, order, axis=2))
     one, other = np.array(list(combinations(range(near), 2)), np.intp).T
     cell, first, pair = np.nonzero(there[:, :, one] & there[:, :, other])
-    three = np.sort(np.column_stack([first, order[cell, first, one[pair]], order[cell, first, other[pair]]]), axis=1)
-    code, often = np.unique(three @ np.array([count * count, count, 1]), return_counts=True)
+    three = first, order[cell, first, one[pair]], order[cell, first, other[pair]]
+    least, most = np.minimum.reduce(three), np.maximum.reduce(three)
+    middle = sum(three) - least - most
+    code, often = np.unique((least * count + middle) * count + most, return_counts=True)
     code = code[np.argsort(-often, kind="stable")]
     return np.column_stack([code // (count * count), code // count % count, code % count])
 

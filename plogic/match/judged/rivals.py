@@ -19,8 +19,6 @@ from itertools import combinations
 from typing import NamedTuple
 
 import numpy as np
-from scipy.linalg import block_diag
-from scipy.spatial.transform import Rotation
 
 from geometry.arrays import Floats, Indices, Mask
 from geometry.bodies.overlap import Reach, Solid, reaches, solid_overlap
@@ -235,6 +233,8 @@ def moved_apart(
     first = deep = _deep(posed, poses, still)
     if not first:
         return poses, []
+    from scipy.linalg import block_diag
+
     costs = [information(k) for k in range(len(posed))]
     loose = block_diag(*((k >= still) * np.asarray(np.linalg.inv(cost)) for k, cost in enumerate(costs)))
     moves, rows, wanted = np.zeros(6 * len(posed)), np.zeros((0, 6 * len(posed))), np.zeros(0)
@@ -331,6 +331,8 @@ def _moved_middle(posed: Hypothesis, pose: Floats) -> Floats:
 
 def _cost(posed: Hypothesis, pose: Floats, cost: Floats) -> float:
     """Squared standard deviations by which a pose is off the one that the matches gave."""
+    from scipy.spatial.transform import Rotation
+
     turn = Rotation.from_matrix(pose[:3, :3] @ posed.camera_from_object[:3, :3].T).as_rotvec()
     move = np.concatenate([turn, _moved_middle(posed, pose) - posed.middle])
     return float(move @ cost @ move)
@@ -340,6 +342,8 @@ def _moved(pose: Floats, middle: Floats, move: Floats) -> Floats:
     """A pose turned about a place by ``move[:3]`` rad, and moved by ``move[3:]`` m; itself where it is not moved."""
     if not move.any():
         return pose
+    from scipy.spatial.transform import Rotation
+
     turn = Rotation.from_rotvec(move[:3]).as_matrix()
     new = np.eye(4)
     new[:3, :3] = turn @ pose[:3, :3]

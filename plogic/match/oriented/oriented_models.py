@@ -22,9 +22,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from geometry.arrays import Floats, Mask
+from geometry.files.remembered import ROOT, arrays_of, source_digest, sources_in
 from kb.clouds.cloud import KnowledgeBase, ObjectType
 from plogic.base.clock import unhurried
-from plogic.base.remembered import ROOT, arrays_of, source_digest, sources_in
 from plogic.facts.hypothesis import Hypothesis
 from plogic.match.gamma.data import Data
 from plogic.match.hand.hand_models import HandModels, TypeIndex, type_index

@@ -17,9 +17,9 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from random_cloud import random_cloud
 
+from geometry.files.remembered import OURS, ROOT, cache_folder, source_digest, sources
 from kb.clouds.learned import cloud_bytes, read_cloud
 from kb.errors import CloudError
-from plogic.base.remembered import OURS, ROOT, cache_folder, source_digest, sources
 from plogic.face.authoring import kb_learn_look as kb_learn_cache
 from plogic.face.authoring.kb_learn_look import DECIDES, key_of
 from sensing.simulated.body import TexturedMesh

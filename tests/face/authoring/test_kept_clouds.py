@@ -3,7 +3,7 @@
 import os
 import time
 
-from plogic.base.remembered import ABANDONED, forget_files_beside
+from geometry.files.remembered import ABANDONED, forget_files_beside
 
 DAY_OLD = time.time() - ABANDONED - 60
 

@@ -9,9 +9,9 @@ import pytest
 from oriented_scenes import about_x, clouds
 
 from benchmarks.clutter.types import random_types
+from geometry.files.remembered import OURS, ROOT, sources, sources_in
 from kb.clouds.lobes import FeatureAppearance
 from kb.surfaces.surface import Surface
-from plogic.base.remembered import OURS, ROOT, sources, sources_in
 from plogic.match.hand.hand_models import type_index
 from plogic.match.oriented import oriented_models as ready_key
 from plogic.match.oriented.oriented_models import SOURCES, _arrays, key_of

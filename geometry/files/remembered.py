@@ -113,19 +113,19 @@ def cache_folder(what: str) -> Path | None:
 
 
 def arrays_of(
-    place: Path, names: Iterable[str], make: Callable[[], Mapping[str, NDArray[Any]]]
+    place: Path, names: Iterable[str], make: Callable[[], Mapping[str, NDArray[Any]]], folders: int = FOLDERS
 ) -> dict[str, NDArray[Any]]:
     """The arrays ``names`` in the folder ``place``, mapped and read-only.
 
     Else those that ``make`` gives, which are put there if that can be done.
 
     A folder is written whole or not at all; one that is not, to the byte, what its manifest says was written is made
-    anew. Of its siblings those used last are kept (``plogic.base.remembered``).
+    anew. Of its siblings those used last are kept, ``folders`` with it (``geometry.files.remembered``).
     """
     with suppress(Exception):  # whatever is wrong with what is kept, it can be made anew
         return _kept(place, tuple(names))
     made = dict(make())
-    _write(place, made)
+    _write(place, made, folders)
     return made
 
 
@@ -158,7 +158,7 @@ def _measured(file: Path) -> dict[str, int]:
         return {"bytes": len(content), "crc32": crc32(content)}
 
 
-def _write(place: Path, made: Mapping[str, NDArray[Any]]) -> None:
+def _write(place: Path, made: Mapping[str, NDArray[Any]], folders: int) -> None:
     """Beside its place first; where that fails, nothing is remembered, and nothing is left."""
     beside = None
     try:
@@ -173,7 +173,7 @@ def _write(place: Path, made: Mapping[str, NDArray[Any]]) -> None:
         if beside is not None:
             shutil.rmtree(beside, ignore_errors=True)
     else:
-        forget_beside(place)
+        forget_beside(place, folders)
 
 
 def sources_in(root: Path, places: Iterable[str]) -> set[str]:

@@ -8,7 +8,7 @@ from concurrent.futures import ThreadPoolExecutor
 import numpy as np
 import pytest
 
-from plogic.base.remembered import ABANDONED, FOLDERS, MANIFEST, arrays_of, forget_beside
+from geometry.files.remembered import ABANDONED, FOLDERS, MANIFEST, arrays_of, forget_beside
 
 KEY, OTHER = "ab" * 32, "cd" * 32
 ARRAYS = {"one": np.arange(600.0).reshape(200, 3), "two": np.arange(50, dtype=np.uint8), "none": np.zeros((3, 0))}

@@ -1,0 +1,60 @@
+"""``plogic bench``: which benchmarks there are, and which takes what."""
+
+import sys
+from importlib import import_module
+from pathlib import Path
+from typing import Any
+
+import click
+
+from plogic.face.shown.options import AS_JSON, SEED, Number, emit, say
+
+SIZED = "places", "sizes", "scale", "panorama", "stereo", "constancy", "look-again", "occlusion", "attention"
+COMPARED = "towers", "worlds", "programs", "recognition", "box", "clutter", "many", "calibration", "batch", "start"
+BENCHES = *COMPARED, *SIZED
+
+
+@click.command()
+@click.argument("name", type=click.Choice(BENCHES))
+@click.option("--scenes", type=click.IntRange(1), default=120, show_default=True, help="Scenes of `towers`.")
+@click.option(
+    "--limit",
+    type=Number(0.0, min_open=True),
+    default=60.0,
+    show_default=True,
+    help="Seconds of a stock run (`worlds`, `programs`) or of a peer (`recognition`, `clutter`, `many`).",
+)
+@click.option(
+    "--quick",
+    is_flag=True,
+    help="Small sizes of `worlds` and `programs`, the box alone, few scenes or trials of the others; not of `towers`.",
+)
+@click.option(
+    "--picture",
+    type=click.Path(path_type=Path),
+    help="JPEG of `box`: a frame at two focal lengths; SVG of `calibration`.",
+)
+@click.option(
+    "--peer",
+    type=click.Path(path_type=Path),
+    help="Console script of another plogic, run in turn with ours by `start`.",
+)
+@click.option("--seed", type=SEED, default=0, show_default=True)
+@AS_JSON
+def bench(name: str, scenes: int, limit: float, seed: int, *, quick: bool, as_json: bool, **drawn: Path | None) -> None:
+    """Run one of the project's own benchmarks; it ends with its claims."""
+    if quick and name == "towers":
+        raise click.UsageError("--quick: `towers` takes --scenes")
+    if drawn["picture"] is not None and name not in {"box", "calibration"}:
+        raise click.UsageError(f"--picture: `{name}` draws none; `box` and `calibration` do")
+    if drawn["peer"] is not None and name != "start":
+        raise click.UsageError(f"--peer: `{name}` has none of this kind; `start` has")
+    pictured, sized = {"quick": quick, "picture": drawn["picture"]}, {"quick": quick}
+    others: dict[str, dict[str, Any]] = {"towers": {"scenes": scenes}, "box": pictured, "calibration": pictured}
+    others |= dict.fromkeys(SIZED, sized) | {"start": sized | {"peer": drawn["peer"]}}
+    options: dict[str, Any] = others.get(name, {"limit": limit, "quick": quick})
+    text, met = import_module(f"benchmarks.{name.replace('-', '_')}.bench").run(
+        seed=seed, **options, as_json=as_json, say=say
+    )
+    emit(text)
+    sys.exit(0 if met else 1)
