@@ -4,13 +4,14 @@ import json
 import os
 import sys
 from collections.abc import Iterable, Sequence
-from contextlib import closing
+from contextlib import closing, suppress
 from functools import partial
 from pathlib import Path
 from time import monotonic
 
 import click
 
+from geometry.errors import WhichCameraError
 from plogic.base.children import ending_well
 from plogic.face.shown.options import Batching
 from plogic.face.shown.progress import Progress
@@ -19,7 +20,7 @@ from plogic.run.batch.frames import Frame, Settings, camera_of, checked, frames_
 from plogic.run.batch.frames_run import Engine, Waiting, run, waiting_beside
 from plogic.run.batch.log import Log, check_out, check_same, left_over, log_at
 from plogic.run.batch.pool import Pool
-from plogic.run.cameras import NOTHING_GIVEN, read_given
+from plogic.run.cameras import NOTHING_GIVEN, GivenCamera, read_given
 
 GUESSED = "guessed"
 """What is counted beside bad and unfinished frames: pictures whose camera nobody gave."""
@@ -38,9 +39,7 @@ def batch_command(inputs: Sequence[str], settings: Settings, options: Batching, 
     out = options.out
     beside = waiting_beside(out)
     check_out([] if out == "-" else [Path(out), *([beside] if beside is not None else [])], resume=options.resume)
-    for path in settings.camera.files():  # every picture would say what is wrong with it
-        checked(path)
-        read_given(str(settings.camera.file))
+    _check_camera(settings.camera)
     frames = frames_of(inputs, listed, options.every)
     with ending_well():
         engine = _engine(settings, options)
@@ -51,6 +50,14 @@ def batch_command(inputs: Sequence[str], settings: Settings, options: Batching, 
                 return _run(frames, engine, log, waiting, settings, kb, out, in_order=options.order == "input")
         finally:
             engine.close()
+
+
+def _check_camera(given: GivenCamera) -> None:
+    """Raise InputError or CameraError where every picture would say what is wrong with the camera's file."""
+    if (source := given.source()) is not None and given.file is not None:
+        checked(source)
+        with suppress(WhichCameraError):  # each picture tells its own
+            read_given(given.file)
 
 
 def _engine(settings: Settings, options: Batching) -> Engine:

@@ -37,7 +37,8 @@ def formats() -> dict[str, Format]:
         "camera": Format(
             CameraRow,
             "A camera",
-            "`simulate` writes it; every `--camera` reads it, alone or as the key `camera` of another document.",
+            "`simulate` writes it; every `--camera` reads it, alone or as the key `camera` of another document; "
+            "[other ways to tell a camera](cameras.md).",
         ),
         "poses": Format(
             PosesRow,

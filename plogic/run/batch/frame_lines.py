@@ -6,10 +6,11 @@
 ``appearances``, how many there are; ``hypotheses``, those that are accepted or in a listed world; ``worlds`` and
 ``unlisted_mass``; of what is unfinished, ``stopped`` and the intervals.
 
-``sha256`` is that of the bytes that were read, as ``cat PICTURE CAMERA | sha256sum`` prints it: of a Γ the file, of a
-picture the file and then its camera's, of a BOP frame the picture and then its entry of ``scene_camera.json`` as JSON
-with sorted keys, of a lost frame its error. It is ``null`` where some of that could not be read, or changed meanwhile;
-where a worker was given up on it is of the files as they were then.
+``sha256`` is that of the bytes that were read, as ``cat PICTURE CAMERA | sha256sum`` prints it: of a Γ the file; of a
+picture the file and then its camera's, with ``#NAME`` after it where that is one of many; of a BOP frame the picture
+and then its entry of ``scene_camera.json`` as JSON with sorted keys; of a lost frame its error. It is ``null`` where
+some of that could not be read, or changed meanwhile; where a worker was given up on it is of the files as they were
+then.
 """
 
 import json

@@ -190,7 +190,12 @@ def _parts(frame: Frame, camera: GivenCamera) -> list[Path | str]:
             return [read.picture(image), json.dumps(read.cameras[image], sort_keys=True)]
         except (PlogicError, KeyError) as error:
             raise ValueError(frame.frame) from error
-    return [Path(frame.input), *(camera_of(frame, camera).files() if frame.kind in {"image", "video"} else [])]
+    if frame.kind == "gamma":
+        return [Path(frame.input)]
+    try:
+        return [Path(frame.input), *camera_of(frame, camera).parts(frame.input)]
+    except PlogicError as error:
+        raise ValueError(frame.input) from error
 
 
 def _pieces(path: Path) -> Iterator[bytes]:

@@ -84,8 +84,8 @@ class Worker:
         if frame.kind == "gamma":
             return None
         camera = camera_of(frame, self.settings.camera)
-        for path in camera.files():
-            checked(path)
+        if (source := camera.source()) is not None:
+            checked(source)
         if frame.kind == "video":
             pixels = frame_at(frame.input, version_of(Path(frame.input)), number_in_video(frame))
             return shot_with(pixels, camera, frame.name)
