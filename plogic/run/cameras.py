@@ -171,8 +171,10 @@ def _resized(camera: "Camera", size: tuple[int, int]) -> str:
         )
     (fx, _, cx), (_, fy, cy) = camera.K[:2].tolist()
     K = f"fx {fx * scale:.6g}, fy {fy * scale:.6g}, cx {(cx + 0.5) * scale - 0.5:.6g}, cy {(cy + 0.5) * scale - 0.5:.6g}"
-    rest = "dist as it is" if camera.dist.any() else f"or --focal {(fx + fy) / 2 * scale:.6g}"
-    return f"of the same shape; if it was scaled by {scale:.6g}, its camera has {K}, {rest}"
+    even = abs(fx - fy) < 0.01 * fx and abs(cx - (own[0] - 1) / 2) < 0.01 * own[0]
+    even = even and abs(cy - (own[1] - 1) / 2) < 0.01 * own[1]
+    rest = ", dist as it is" * bool(camera.dist.any()) or f", or --focal {(fx + fy) / 2 * scale:.6g}" * even
+    return f"of the same shape; if it was scaled by {scale:.6g}, give its camera with {K}{rest}"
 
 
 def _guessed(size: tuple[int, int], source: str, exif: "Exif", ways: str) -> "tuple[Camera, tuple[str, ...]]":

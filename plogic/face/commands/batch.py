@@ -15,15 +15,15 @@ from geometry.errors import WhichCameraError
 from plogic.base.children import ending_well
 from plogic.face.shown.options import Batching
 from plogic.face.shown.progress import Progress
-from plogic.run.batch.frame_lines import ERROR, UNFINISHED
-from plogic.run.batch.frames import Frame, Settings, camera_of, checked, frames_of
+from plogic.run.batch.frame_lines import ERROR, UNFINISHED, is_noted
+from plogic.run.batch.frames import Frame, Settings, checked, frames_of
 from plogic.run.batch.frames_run import Engine, Waiting, run, waiting_beside
 from plogic.run.batch.log import Log, check_out, check_same, left_over, log_at
 from plogic.run.batch.pool import Pool
-from plogic.run.cameras import NOTHING_GIVEN, GivenCamera, read_given
+from plogic.run.cameras import GivenCamera, read_given
 
-GUESSED = "guessed"
-"""What is counted beside bad and unfinished frames: pictures whose camera nobody gave."""
+NOTED = "noted"
+"""What is counted beside bad and unfinished frames."""
 BAD, LATE = 1, 3
 """Exit statuses: a frame could not be perceived; the deadline cut one short."""
 
@@ -85,7 +85,7 @@ def _run(
     check_same(frames, [*log.written, *waiting.written], settings, kb)
     log.cut()
     count = {status: sum(line.status == status for line in log.written) for status in (ERROR, UNFINISHED)}
-    count[GUESSED] = 0
+    count[NOTED] = 0
     before = {(line.input, line.frame) for line in (*log.written, *waiting.written)}
     progress = Frames(len(frames), len(frames) - len(before))
 
@@ -95,8 +95,7 @@ def _run(
             count[status] += 1
         if status == ERROR:
             progress.say(_why(frame, line))
-        elif frame.kind == "image" and camera_of(frame, settings.camera) == NOTHING_GIVEN:
-            count[GUESSED] += 1
+        count[NOTED] += is_noted(line)
         if (frame.input, frame.frame) not in before:
             progress.step(bad=status == ERROR)
 
@@ -120,7 +119,7 @@ def _why(frame: Frame, line: bytes) -> str:
 
 def _summary(out: str, total: int, new: int, count: dict[str, int]) -> str:
     before = f", {total - new} of them before" if new < total else ""
-    told = {ERROR: "bad", UNFINISHED: "unfinished", GUESSED: "with a camera guessed from EXIF (notes)"}
+    told = {ERROR: "bad", UNFINISHED: "unfinished", NOTED: "with a guessed or doubtful camera (notes)"}
     wrong = "".join(f", {count[key]} {what}" for key, what in told.items() if count[key])
     return f"{'' if out == '-' else f'{out}: '}{total} frame{'s' * (total != 1)}{before}{wrong}"
 

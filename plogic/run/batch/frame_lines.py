@@ -161,6 +161,11 @@ class Lines:
         return head if moment is None else {**head, "moment": moment}
 
 
+def is_noted(line: bytes) -> bool:
+    """Whether a line has ``notes``; within a text the quotes would be escaped."""
+    return b'"notes":[' in line
+
+
 def _line(row: FrameLine) -> bytes:
     first = {"format": row["format"], "input": row["input"], "frame": row["frame"], "status": row["status"]}
     text = json.dumps({**first, **row}, ensure_ascii=False, allow_nan=False, separators=(",", ":"))
