@@ -13,7 +13,8 @@ towards its side, and a missed one, of which no angle is known, a small cross.
 """
 
 from collections import Counter
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from dataclasses import dataclass
 from functools import partial
 
@@ -71,10 +72,12 @@ def overlay(document: Interpretation, image: NDArray[np.uint8] | None) -> NDArra
         sides = sides_of(document)
         draw_dots(pencil, accepted, sides)
         return np.concatenate([picture, _legend(picture.shape[1], accepted, [], sides, dashed=dashed)])
-    _draw_marks(pencil, accepted)
     kinds = sorted({a["type"] for a in document.get("appearances", [])})
-    for a in document.get("appearances", []):
-        pencil.sign(a["uv"], a["type"], kinds)
+    marks = [(f, i) for i, h in enumerate(accepted) for f in h.get("features", []) if f.get("case")]
+    with _seen_through(pencil, len(marks) + len(document.get("appearances", []))):
+        _draw_marks(pencil, marks)
+        for a in document.get("appearances", []):
+            pencil.sign(a["uv"], a["type"], kinds)
     _draw_names(pencil, accepted, [a["uv"] for a in document.get("appearances", [])])
     return np.concatenate([picture, _legend(picture.shape[1], accepted, kinds, dashed=dashed)])
 
@@ -124,11 +127,9 @@ def draw_dots(pencil: Pencil, accepted: list[HypothesisRow], sides: Sides) -> No
         for f in h.get("features", [])
         if f.get("case") == wanted
     ]
-    bare = pencil.picture.copy()
-    for f, i in marks:
-        _draw_small(pencil, f, colour_of(i), sides)
-    if len(marks) > BUSY:
-        pencil.picture[:] = cv2.addWeighted(pencil.picture, PALE, bare, 1 - PALE, 0)
+    with _seen_through(pencil, len(marks)):
+        for f, i in marks:
+            _draw_small(pencil, f, colour_of(i), sides)
     taken: list[Box] = []
     for i, h in enumerate(accepted):
         _write_name(pencil, h, i, taken, f"{_name(h)}{_chance(h)}")
@@ -168,12 +169,18 @@ def _draw_edges(pencil: Pencil, accepted: list[HypothesisRow], document: Interpr
     return any(hidden for hidden, *_ in rows)
 
 
-def _draw_marks(pencil: Pencil, accepted: list[HypothesisRow]) -> None:
-    for wanted in ("B", "D", "A", "C"):  # what speaks loudest is drawn last
-        for i, h in enumerate(accepted):
-            for f in h.get("features", []):
-                if f.get("case") == wanted:
-                    pencil.feature(f["uv"], colour_of(i), circle=bool(f["expected"]), filled=bool(f["detected"]))
+def _draw_marks(pencil: Pencil, marks: list[tuple[FeatureRow, int]]) -> None:
+    for f, i in sorted(marks, key=lambda mark: "BDAC".index(mark[0]["case"] or "B")):  # what speaks loudest comes last
+        pencil.feature(f["uv"], colour_of(i), circle=bool(f["expected"]), filled=bool(f["detected"]))
+
+
+@contextmanager
+def _seen_through(pencil: Pencil, marks: int) -> Iterator[None]:
+    """Draw so many marks pale where they are hundreds."""
+    bare = pencil.picture.copy() if marks > BUSY else None
+    yield
+    if bare is not None:
+        pencil.picture[:] = cv2.addWeighted(pencil.picture, PALE, bare, 1 - PALE, 0)
 
 
 def _draw_names(pencil: Pencil, accepted: list[HypothesisRow], signs: list[list[float]]) -> None:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import copy
 
 import pytest
-from page_checks import DATA, complaints, shown_as
+from page_checks import COUNT, DATA, complaints, shown_as
 
 from plogic.face.pages.one_file import page
 
@@ -125,8 +125,8 @@ def test_a_body_without_a_mesh_is_seen_by_its_features(chromium, towers, tmp_pat
     }
     document["hypotheses"] = [h | {"features": []} if h["id"] == "h4" else h for h in towers["hypotheses"]]
     browser = shown_as(chromium, tmp_path, page(document))
-    for name in ("lines", "picture"):
-        browser.click(f"[data-layer={name}]")
+    assert browser.run(COUNT, "[data-layer=picture]") == 0, "it has no image"
+    browser.click("[data-layer=lines]")
     browser.click("[data-alone=h4]")
     whole(browser, 10)
     assert complaints(browser) == []

@@ -225,10 +225,13 @@ def test_it_prints_on_white_without_switches(chromium, towers, tmp_path):
     pdf = base64.b64decode(browser.command("Page.printToPDF", printBackground=False)["data"])
     assert pdf.startswith(b"%PDF")
     browser.command("Emulation.setEmulatedMedia", media="print", features=[])
-    colour, shown = browser.run(
+    browser.command("Emulation.setDeviceMetricsOverride", width=718, height=1000, deviceScaleFactor=1, mobile=False)
+    colour, shown, wide = browser.run(
         "const switches = [...document.querySelectorAll('.bar, .why button, #stage-hint')]; "
-        "return [getComputedStyle(document.body).color, switches.filter((e) => e.offsetParent).length]"
+        "return [getComputedStyle(document.body).color, switches.filter((e) => e.offsetParent).length, "
+        "document.documentElement.scrollWidth]"
     )
     browser.command("Emulation.setEmulatedMedia", media="", features=[])
     assert shown == 0
+    assert wide == 718  # as wide as A4 between its margins
     assert max(int(c) for c in re.findall(r"\d+", colour)) < 60

@@ -56,7 +56,7 @@ function drawPicture() {
   const rows = shown.flatMap((h) => list(h.features).map((f) => ({h, f, ...caseOf(h, f)})));
   const full = on('marks') && !crowded, order = (wanted) => (full ? rows.filter((r) => r.expected === wanted).map(featureMark) : []);
   fill(canvasSvg,
-    IMAGE ? svg('image', {href: IMAGE, x: -0.5, y: -0.5, width: W, height: H, preserveAspectRatio: 'none'}) : svg('rect', {x: -0.5, y: -0.5, width: W, height: H, fill: '#c9c7c0'}),
+    IMAGE ? svg('image', {href: IMAGE, x: -0.5, y: -0.5, width: W, height: H, preserveAspectRatio: 'none'}) : svg('rect', {x: -0.5, y: -0.5, width: W, height: H, fill: '#83868a'}),
     on('unseen') ? shown.map((h) => edgesOf(h, 'unseen')) : [], on('outlines') ? shown.map((h) => edgesOf(h, 'outline')) : [], svg('g', {id: 'squares'}, order(false)), svg('g', {id: 'circles'}, order(true)),
     svg('g', {id: 'signs'}, full && on('appearances') ? appearances.map(appearanceMark) : []),
     svg('g', {id: 'hint'}), svg('g', {id: 'names'}, on('labels') ? names(shown, pixel()) : []));

@@ -33,7 +33,7 @@ function startStage() {
   lookFrom();
   mountStage({label, webgl: webglPainter, flat: flatPainter, paint, turn, zoom, keys: {Home: () => goTo()}});
   put('stage-bar', look('Side'), look('Camera', 0, 0.2), look('Top', 0, 1.5), look('Back', 2.6, 0.35), button('Close', () => goTo(0.95, 0.42, true), {'data-view': 'close'}),
-    [['lines', 'Lines of sight'], ['features', 'Features'], ['picture', 'Image']].map(([k, text]) => toggle(k, shape[k], text, (on) => { shape[k] = on; drawStageKey(); redraw(); })));
+    [['lines', 'Lines of sight'], ['features', 'Features'], ...(IMAGE ? [['picture', 'Image']] : [])].map(([k, text]) => toggle(k, shape[k], text, (on) => { shape[k] = on; drawStageKey(); redraw(); })));
   put('stage-hint', 'Drag or press the arrow keys to turn. Click it, then use the wheel to zoom; + and \u2212 do the same.');
   watchers.push((what) => { if (what === 'world') follows(); redraw(); });
   drawStageKey();
