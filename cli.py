@@ -9,7 +9,7 @@ import click
 
 from plogic.face.authoring.kb_group import kb
 from plogic.face.commands.bench import bench
-from plogic.face.commands.clicked import batch, bop, measures, next_view, schema
+from plogic.face.commands.clicked import batch, bop, measures, next_view, schema, watch
 from plogic.face.shown.options import (
     AS_JSON,
     BEST_BY,
@@ -19,6 +19,7 @@ from plogic.face.shown.options import (
     DEADLINE,
     DIGITS,
     DV_OVER,
+    EVERY,
     FIRST_READING,
     GENERATOR,
     GIVEN,
@@ -107,6 +108,7 @@ def demo(out: Path | None, seed: int, reading: Any, look_again: bool, paper: boo
 @SMOOTHING
 @GENERATOR
 @BEST_BY
+@EVERY
 @click.option("-o", "--out", default="-", help="File to write; `-` is stdout (default).")
 @click.option("--report", type=click.Path(path_type=Path), help="Also write the page.")
 @click.option(
@@ -116,8 +118,8 @@ def demo(out: Path | None, seed: int, reading: Any, look_again: bool, paper: boo
 def perceive(inputs: tuple[str, ...], kb_folder: str, **options: Any) -> None:
     """Interpret INPUT, an image or a Γ file (`-` is a Γ on stdin), with a knowledge base.
 
-    Several, from a camera whose places are known (--poses, or T_world_camera in each Γ), are views of one world: they
-    give a panorama.
+    Several, from a camera whose places are known (--poses, or T_world_camera in its camera), are views of one world:
+    they give a panorama. So do the frames of a video, clip_000000 and so on, 1,000 at most; each by itself: `batch`.
     """
     from plogic.face.commands.perceive import perceive_command
 
@@ -305,6 +307,7 @@ cli.add_command(kb)
 cli.add_command(bop)
 cli.add_command(bench)
 cli.add_command(batch)
+cli.add_command(watch)
 cli.add_command(next_view)
 cli.add_command(measures)
 cli.add_command(schema)

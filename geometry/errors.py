@@ -3,6 +3,7 @@
 PlogicError                   everything that a user can put right; the CLI turns one into exit code 1
 └── GeometryError             a shape, number or mesh that geometry cannot work with
     └── CameraError           a camera description that is wrong; knows its file, line and key where it can
+        └── WhichCameraError  a good file of many cameras, of which none was named
 
 Every other package derives its errors from `PlogicError`. A message states the place, the rule and the value.
 
@@ -56,6 +57,10 @@ class CameraError(GeometryError):
         self.message = message
         self.path = path
         self.line = line
+
+
+class WhichCameraError(CameraError):
+    """A file has many cameras, and nothing tells which one is wanted."""
 
 
 def told(mistakes: Sequence[object], between: str = "\n") -> str:

@@ -306,6 +306,18 @@ class StepRow(TypedDict):
     why: Annotated[str, "Why it happened."]
 
 
+class MomentRow(TypedDict):
+    """Which frame of a stream it is."""
+
+    input: Annotated[str, "The stream as it was named."]
+    number: Annotated[Count, "The frame's number in the stream; the first is 0."]
+    seconds: Annotated[
+        float | None,
+        "When it is shown, or was taken, after the first one; null for pictures of a pipe, which do not tell.",
+    ]
+    skipped: Annotated[Count, "Frames just before it that were left out since newer ones had come."]
+
+
 class Marks(TypedDict):
     """The keys of a document that a deadline left unfinished; a finished one has none of them."""
 
@@ -329,6 +341,7 @@ class Interpretation(Marks, Listed):
     """The document ``interpretation/1`` of one image."""
 
     format: Literal["interpretation/1"]
+    moment: NotRequired[Annotated[MomentRow, "Which frame it is of, where `watch` wrote it."]]
     reading: Annotated[Reading, "How probabilities are read: as scores or as a posterior."]
     camera: NotRequired[Annotated[CameraRow, "The camera of the image."]]
     facts: Annotated[list[Fact], "What holds between hypotheses."]

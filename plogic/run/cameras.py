@@ -49,9 +49,21 @@ class GivenCamera:
         ways = {"--camera": self.file, "--fov": self.fov, "--fov-diagonal": self.fov_diagonal, "--focal": self.focal}
         return tuple(name for name, value in ways.items() if value is not None)
 
-    def files(self) -> list[Path]:
-        """The files that the camera is read from."""
-        return [] if self.file is None else [Path(part_of(self.file)[0])]
+    def source(self) -> Path | None:
+        """The file that the camera is read from; None where there is none. Raises CameraError."""
+        from geometry.files.colmap_files import cameras_file
+
+        return None if self.file is None else cameras_file(Path(part_of(self.file)[0]))
+
+    def parts(self, photo: str) -> list[Path | str]:
+        """All that the camera of a picture is made of: the file, ``#NAME`` of the one of many. Raises CameraError."""
+        from geometry.files.colmap_files import taken_by
+
+        source = self.source()
+        if source is None or self.file is None:
+            return []
+        name = part_of(self.file)[1] or taken_by(source, photo)
+        return [source, *([f"#{name}"] if name else [])]
 
     def of(self, size: tuple[int, int], source: str) -> "Camera | None":
         """The camera of a picture of ``size`` (width, height), read from ``source``; None where nothing was given.
@@ -126,8 +138,11 @@ def shot_with(
     """
     from sensing.files.exif import Exif
 
-    size, exif = (image.shape[1], image.shape[0]), exif or Exif()
+    size = image.shape[1], image.shape[0]
     camera = given.of(size, source)
+    if camera is None and exif is None:
+        raise InputError(f"{source}: an image needs its camera: give {ways}")
+    exif = exif or Exif()
     if camera is None:
         return Shot(image, *_guessed(size, source, exif, ways))
     if given.file is not None:
@@ -156,8 +171,10 @@ def _resized(camera: "Camera", size: tuple[int, int]) -> str:
         )
     (fx, _, cx), (_, fy, cy) = camera.K[:2].tolist()
     K = f"fx {fx * scale:.6g}, fy {fy * scale:.6g}, cx {(cx + 0.5) * scale - 0.5:.6g}, cy {(cy + 0.5) * scale - 0.5:.6g}"
-    rest = "dist as it is" if camera.dist.any() else f"or --focal {(fx + fy) / 2 * scale:.6g}"
-    return f"of the same shape; if it was scaled by {scale:.6g}, its camera has {K}, {rest}"
+    even = abs(fx - fy) < 0.01 * fx and abs(cx - (own[0] - 1) / 2) < 0.01 * own[0]
+    even = even and abs(cy - (own[1] - 1) / 2) < 0.01 * own[1]
+    rest = ", dist as it is" * bool(camera.dist.any()) or f", or --focal {(fx + fy) / 2 * scale:.6g}" * even
+    return f"of the same shape; if it was scaled by {scale:.6g}, give its camera with {K}{rest}"
 
 
 def _guessed(size: tuple[int, int], source: str, exif: "Exif", ways: str) -> "tuple[Camera, tuple[str, ...]]":

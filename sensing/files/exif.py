@@ -17,7 +17,7 @@ _ORIENTATION, _DIRECTORY, _FOCAL, _WIDTH, _HEIGHT = 0x0112, 0x8769, 0x920A, 0xA0
 _PLANE_RESOLUTION, _PLANE_UNIT, _EQUIVALENT = 0xA20E, 0xA210, 0xA405
 _WANTED = {_ORIENTATION, _DIRECTORY, _FOCAL, _WIDTH, _HEIGHT, _PLANE_RESOLUTION, _PLANE_UNIT, _EQUIVALENT}
 _UNITS = {2: 25.4, 3: 10.0, 4: 1.0, 5: 1e-3}  # mm of FocalPlaneResolutionUnit; inch where it is not stated
-_NUMBERS = {3: "H", 4: "I", 5: "II"}  # SHORT, LONG, RATIONAL
+_NUMBERS = {3: "H", 4: "I", 5: "II", 11: "f", 12: "d"}  # SHORT, LONG, RATIONAL; FLOAT and DOUBLE, as Pillow writes too
 _MARK = b"Exif\x00\x00"
 _PLAUSIBLE = 4.0, 4000.0  # mm equivalent: from a fisheye to the longest zoom; no lens is beyond
 MOST_ENTRIES = 512
@@ -30,7 +30,8 @@ class Exif(NamedTuple):
     """What is not stated is None.
 
     ``equivalent_mm``: FocalLengthIn35mmFilm. ``focal_mm`` and ``px_per_mm``: the lens, and the sensor's pixels.
-    ``size``: (width, height) as the camera stored the picture. ``orientation``: 1 to 8, 1 upright as stored.
+    ``size``: (width, height) as the camera stored the picture. ``orientation``: 1 to 8 of the pixels that are read, 1
+    upright.
     """
 
     equivalent_mm: float | None = None
@@ -52,7 +53,8 @@ def exif_of(data: bytes) -> Exif:
     for block in _blocks(data):
         tags = _Tags(block).read()
         if tags:
-            return _exif(tags)
+            found = _exif(tags)
+            return found._replace(orientation=1) if block is data else found  # OpenCV turns a TIFF as it decodes it
     return Exif()
 
 
@@ -97,7 +99,7 @@ def _exif(tags: dict[int, float]) -> Exif:
 
 
 def _positive(value: float | None) -> float | None:
-    return value if value is not None and isfinite(value) and value > 0 else None
+    return value if value is not None and value > 0 else None
 
 
 class _Tags:
@@ -125,16 +127,17 @@ class _Tags:
         shape = _NUMBERS.get(int(kind)) if kind is not None else None
         if shape is None or count != 1:
             return None
-        at = self._number("I", place + 8) if shape == "II" else place + 8
+        at = self._number("I", place + 8) if struct.calcsize("=" + shape) > 4 else place + 8
         return None if at is None else self._number(shape, int(at))
 
     def _number(self, shape: str, at: int) -> float | None:
         if at < 0 or at + struct.calcsize("=" + shape) > len(self._tiff):
             return None
         number, *below = struct.unpack_from(self._order + shape, self._tiff, at)
-        if not below:
-            return float(number)
-        return number / below[0] if below[0] else None
+        if below and below[0] == 0:
+            return None
+        value = float(number / below[0] if below else number)
+        return value if isfinite(value) else None
 
 
 def _blocks(data: bytes) -> Iterator[bytes]:

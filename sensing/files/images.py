@@ -43,7 +43,7 @@ def read_image(path: str | Path) -> NDArray[np.uint8]:
     """Read an image file to (H, W, 3) uint8, blue first.
 
     What is converted (see the module) is said in the log (``plogic.sensing``, INFO). An orientation tag is not applied:
-    the camera's K speaks of the stored pixels.
+    the camera's K speaks of the stored pixels; but of TIFF, whose decoder turns them as it reads.
 
     Raises:
         ImageError: No such file, not an image, damaged or cut off, too large, or of floating-point numbers.

@@ -144,6 +144,17 @@ class Browser:
         self._send("POST", "/actions", {"actions": [{"type": "wheel", "id": "wheel", "actions": [action]}]})
         self.settle()
 
+    def swipe(self, start: tuple[float, float], across: float) -> None:
+        """Draw a finger sideways from a point of the viewport."""
+        self.command("Emulation.setTouchEmulationEnabled", enabled=True)
+        places = [{"x": start[0] + across * i / 10, "y": start[1]} for i in range(11)]
+        self.command("Input.dispatchTouchEvent", type="touchStart", touchPoints=places[:1])
+        for place in places[1:]:
+            self.command("Input.dispatchTouchEvent", type="touchMove", touchPoints=[place])
+        self.command("Input.dispatchTouchEvent", type="touchEnd", touchPoints=[])
+        self.command("Emulation.setTouchEmulationEnabled", enabled=False)
+        self.settle()
+
     def dark(self, *, on: bool) -> None:
         """Prefer dark or light colours."""
         self.command(

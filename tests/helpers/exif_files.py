@@ -37,6 +37,23 @@ def _directory(tags, at, order):
     return struct.pack(order + "H", len(tags)) + entries + b"\x00" * 4 + pairs
 
 
+def tiff(pixels, orientation):
+    """A TIFF of grey pixels (H, W), with its orientation tag."""
+    (height, width), at = pixels.shape, 8 + 2 + 12 * 9 + 4
+    tags = {
+        256: width,
+        257: height,
+        258: 8,
+        259: 1,
+        262: 1,
+        273: at,
+        ORIENTATION: orientation,
+        278: height,
+        279: pixels.size,
+    }
+    return b"II*\x00" + struct.pack("<I", 8) + _directory(tags, 8, "<") + pixels.tobytes()
+
+
 def grey(width, height):
     return np.full((height, width, 3), 90, np.uint8)
 

@@ -4,25 +4,26 @@ import json
 import os
 import sys
 from collections.abc import Iterable, Sequence
-from contextlib import closing
+from contextlib import closing, suppress
 from functools import partial
 from pathlib import Path
 from time import monotonic
 
 import click
 
+from geometry.errors import WhichCameraError
 from plogic.base.children import ending_well
 from plogic.face.shown.options import Batching
 from plogic.face.shown.progress import Progress
-from plogic.run.batch.frame_lines import ERROR, UNFINISHED
-from plogic.run.batch.frames import Frame, Settings, camera_of, checked, frames_of
+from plogic.run.batch.frame_lines import ERROR, UNFINISHED, is_noted
+from plogic.run.batch.frames import Frame, Settings, checked, frames_of
 from plogic.run.batch.frames_run import Engine, Waiting, run, waiting_beside
 from plogic.run.batch.log import Log, check_out, check_same, left_over, log_at
 from plogic.run.batch.pool import Pool
-from plogic.run.cameras import NOTHING_GIVEN, read_given
+from plogic.run.cameras import GivenCamera, read_given
 
-GUESSED = "guessed"
-"""What is counted beside bad and unfinished frames: pictures whose camera nobody gave."""
+NOTED = "noted"
+"""What is counted beside bad and unfinished frames."""
 BAD, LATE = 1, 3
 """Exit statuses: a frame could not be perceived; the deadline cut one short."""
 
@@ -38,10 +39,8 @@ def batch_command(inputs: Sequence[str], settings: Settings, options: Batching, 
     out = options.out
     beside = waiting_beside(out)
     check_out([] if out == "-" else [Path(out), *([beside] if beside is not None else [])], resume=options.resume)
-    for path in settings.camera.files():  # every picture would say what is wrong with it
-        checked(path)
-        read_given(str(settings.camera.file))
-    frames = frames_of(inputs, listed)
+    _check_camera(settings.camera)
+    frames = frames_of(inputs, listed, options.every)
     with ending_well():
         engine = _engine(settings, options)
         try:
@@ -51,6 +50,14 @@ def batch_command(inputs: Sequence[str], settings: Settings, options: Batching, 
                 return _run(frames, engine, log, waiting, settings, kb, out, in_order=options.order == "input")
         finally:
             engine.close()
+
+
+def _check_camera(given: GivenCamera) -> None:
+    """Raise InputError or CameraError where every picture would say what is wrong with the camera's file."""
+    if (source := given.source()) is not None and given.file is not None:
+        checked(source)
+        with suppress(WhichCameraError):  # each picture tells its own
+            read_given(given.file)
 
 
 def _engine(settings: Settings, options: Batching) -> Engine:
@@ -78,7 +85,7 @@ def _run(
     check_same(frames, [*log.written, *waiting.written], settings, kb)
     log.cut()
     count = {status: sum(line.status == status for line in log.written) for status in (ERROR, UNFINISHED)}
-    count[GUESSED] = 0
+    count[NOTED] = 0
     before = {(line.input, line.frame) for line in (*log.written, *waiting.written)}
     progress = Frames(len(frames), len(frames) - len(before))
 
@@ -88,8 +95,7 @@ def _run(
             count[status] += 1
         if status == ERROR:
             progress.say(_why(frame, line))
-        elif frame.kind == "image" and camera_of(frame, settings.camera) == NOTHING_GIVEN:
-            count[GUESSED] += 1
+        count[NOTED] += is_noted(line)
         if (frame.input, frame.frame) not in before:
             progress.step(bad=status == ERROR)
 
@@ -113,7 +119,7 @@ def _why(frame: Frame, line: bytes) -> str:
 
 def _summary(out: str, total: int, new: int, count: dict[str, int]) -> str:
     before = f", {total - new} of them before" if new < total else ""
-    told = {ERROR: "bad", UNFINISHED: "unfinished", GUESSED: "with a camera guessed from EXIF (notes)"}
+    told = {ERROR: "bad", UNFINISHED: "unfinished", NOTED: "with a guessed or doubtful camera (notes)"}
     wrong = "".join(f", {count[key]} {what}" for key, what in told.items() if count[key])
     return f"{'' if out == '-' else f'{out}: '}{total} frame{'s' * (total != 1)}{before}{wrong}"
 

@@ -15,6 +15,7 @@ from plogic.face.shown.options import (
     BEST_BY,
     CAMERA,
     DIGITS,
+    EVERY,
     FIRST_READING,
     INTERPRETATION,
     KB,
@@ -26,6 +27,8 @@ from plogic.face.shown.options import (
     Moves,
     Number,
     Scoring,
+    Watching,
+    camera_options,
     emit,
     say,
 )
@@ -73,6 +76,7 @@ FORMATS = "gamma", "camera", "poses", "moves", "stereo", "truth", "interpretatio
     type=Number(0.0, min_open=True),
     help="Seconds that a frame may take; what takes longer is a bad frame.",
 )
+@EVERY
 @CAMERA
 @FIRST_READING
 @RECONSIDER
@@ -81,8 +85,10 @@ FORMATS = "gamma", "camera", "poses", "moves", "stereo", "truth", "interpretatio
 def batch(inputs: tuple[str, ...], kb_folder: str, **options: Any) -> None:  # noqa: ANN401 - click's
     r"""Perceive many frames: one line of JSON each, the same whoever works.
 
-    INPUTS are pictures, Γ files (.json), folders with such at any depth, patterns in quotes, and BOP datasets; `-` is a
-    list of them on stdin, one a line. A picture's camera is --camera, or camera.json beside it.
+    INPUTS are pictures, Γ files (.json), folders with such at any depth, videos that are named (not those in folders),
+    patterns in quotes, and BOP datasets; `-` is a list of them on stdin, one a line. A picture's or video's camera is
+    --camera, or camera.json beside it. A video's frames are clip_000000, clip_000001, ...: 200,000 of 64 million
+    pixels at most; where it is damaged, those before are perceived.
 
     A line (frame/1) has input, frame, status (done, unfinished, error), the SHA-256 of what was read, the KB and the
     options; then the accepted hypotheses with poses and probabilities and the most probable worlds, or the error. A bad
@@ -103,6 +109,48 @@ def batch(inputs: tuple[str, ...], kb_folder: str, **options: Any) -> None:  # n
 
     chosen = {name: options.pop(name) for name in SETTINGS}
     sys.exit(batch_command(inputs, Settings(kb_folder, **chosen), Batching(**options), listed=sys.stdin))
+
+
+@click.command(context_settings=HELP)
+@click.argument("source", metavar="CAMERA|FILE|-")
+@KB
+@camera_options("A stream tells none: one of these is needed.")
+@click.option("--every", type=click.IntRange(1), default=1, show_default=True, help="Take each so many-th frame.")
+@click.option("--limit", type=click.IntRange(1), metavar="FRAMES", help="Stop after so many.")
+@click.option("--newest", is_flag=True, help="Of a stream too, skip to the newest frame when frames come too fast.")
+@click.option("--short", is_flag=True, help="Short lines, as `batch` writes them, in place of whole interpretations.")
+@click.option("--picture", type=click.Path(path_type=Path), help="Write the newest frame's picture there (PNG).")
+@click.option(
+    "--pictures", type=click.Path(path_type=Path, file_okay=False), help="Write each frame's picture into this folder."
+)
+@FIRST_READING
+@RECONSIDER
+@SMOOTHING
+@BEST_BY
+def watch(source: str, kb_folder: str, **options: Any) -> None:  # noqa: ANN401 - click's
+    """Interpret frames as they come: one line of JSON each, until they end, or Ctrl-C.
+
+    A camera is a number, as of /dev/video0: its newest frame is taken, and what was skipped meanwhile is told. FILE is
+    a video, or pictures in a row, as `-` is on stdin (JPEG, PNG, PNM). Of these no frame is skipped without --newest,
+    and the same input gives the same bytes.
+
+    Anything else goes through a pipe: `ffmpeg -i INPUT -r 2 -f image2pipe -c:v ppm - | plogic watch - ...`.
+
+    A line is an interpretation, as `perceive` writes it, with the key `moment`: the frame's number in the stream, its
+    time in seconds (null for pictures on stdin), and how many were skipped just before it. A bad frame is a frame/1
+    with its error and no stop; the exit status is then 1, as after Ctrl-C, and else 3 where --deadline left one
+    unfinished. Limits are a frame's, not the stream's: 64 million pixels of a video, 200 of a picture.
+    """
+    if options["newest"] and source != "-":
+        raise click.UsageError("--newest: is of a stream on stdin; a camera's newest frame is taken anyway")
+    if options["deadline"] == math.inf:
+        raise click.UsageError("--deadline must be finite: leave it out to wait without end")
+    from plogic.face.commands.watch import watch_command
+    from plogic.run.batch.frames import Settings
+
+    chosen = {name: options.pop(name) for name in ("camera", "reading", "reconsider", "smoothing", "deadline")}
+    full = not options["short"]
+    sys.exit(watch_command(source, Settings(kb_folder, **chosen, full=full), Watching(**options)))
 
 
 @click.command(context_settings=HELP)

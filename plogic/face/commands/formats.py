@@ -37,7 +37,8 @@ def formats() -> dict[str, Format]:
         "camera": Format(
             CameraRow,
             "A camera",
-            "`simulate` writes it; every `--camera` reads it, alone or as the key `camera` of another document.",
+            "`simulate` writes it; every `--camera` reads it, alone or as the key `camera` of another document; "
+            "[other ways to tell a camera](cameras.md).",
         ),
         "poses": Format(
             PosesRow,
@@ -54,7 +55,8 @@ def formats() -> dict[str, Format]:
         "interpretation": Format(
             Interpretation,
             "What one image shows",
-            "`perceive` writes it; `worlds`, `query`, `explain`, `shell`, `program`, `report`, `measures` and `next-view` read it.",
+            "`perceive` writes it, `watch` one a frame; `worlds`, `query`, `explain`, `shell`, `program`, `report`, `measures` "
+            "and `next-view` read it.",
         ),
         "panorama": Format(
             Panorama,
@@ -63,7 +65,9 @@ def formats() -> dict[str, Format]:
         ),
         "answers": Format(Answers, "The answers to a query", "`query --json` prints it."),
         "frame": Format(
-            FrameLine, "One line of many frames", "`batch` writes such lines; `batch --resume` goes on after them."
+            FrameLine,
+            "One line of many frames",
+            "`batch` writes such lines, and `batch --resume` goes on after them; `watch` does of bad frames, and with `--short`.",
         ),
     }
 

@@ -1,5 +1,7 @@
 """``plogic perceive``: an image or Γ, or a calibrated pair, to an interpretation; several views to a panorama.
 
+A video's frames are such views.
+
 A pair gives the interpretation of one notional viewpoint, the left camera's (§3.3). Nothing is written where something
 is wrong with the input.
 """
@@ -24,10 +26,12 @@ from plogic.face.shown.options import Perceiving, written
 from plogic.facts.document import HypothesisRow, Interpretation, RejectedRow
 from plogic.facts.interpretation import text_of
 from plogic.facts.situation import stopped_in
-from plogic.run.cameras import GivenCamera, Shot, shot_of, sized
+from plogic.run.cameras import GivenCamera, Shot, shot_of, shot_with, sized
 from plogic.run.perceive import perceiver_of
 from plogic.run.silence.beforehand import beforehand
 from plogic.run.sources import detected, gamma_of, is_gamma, kb_of
+from plogic.run.video.video import is_video
+from plogic.run.video.views import Input, views_in
 from plogic.scene.readings.unfinished import REASONS
 from plogic.scene.worlds.predictions import Doubt, said
 from plogic.sequence.unposed.reading import doubts_weighed
@@ -56,7 +60,7 @@ def perceive_command(inputs: Sequence[str], options: Perceiving, *, say: Say, wr
     """
     if options.stereo is not None:
         return _of_pair(inputs, options, options.stereo, say, write)
-    if len(inputs) == 1 and options.poses is None:
+    if len(inputs) == 1 and options.poses is None and not is_video(inputs[0]):
         return _of_one(inputs[0], options, say, write)
     return _of_sequence(inputs, options, say, write)
 
@@ -89,6 +93,8 @@ def _of_pair(inputs: Sequence[str], options: Perceiving, stereo: str, say: Say, 
 
     if len(inputs) != 2 or options.poses:
         raise InputError("--stereo: takes two INPUTs, the left and the right one, and no --poses")
+    if any(map(is_video, inputs)):
+        raise InputError("--stereo: takes pictures or Γ, and no video")
     check_places(_places(options))
     clock = Stopwatch()
     kb = kb_of(options.kb)
@@ -222,7 +228,7 @@ def _chance(h: HypothesisRow | RejectedRow) -> str:
     return f"{h['probability']:.3f}" + ("" if low is None else f" in {low:.3f}..{high:.3f}")
 
 
-def _of_sequence(frames: Sequence[str], options: Perceiving, say: Say, write: Say) -> int:
+def _of_sequence(inputs: Sequence[str], options: Perceiving, say: Say, write: Say) -> int:
     """Interpret frame after frame, with a line each on ``say``.
 
     Where a frame cannot be read, what was made of those before it is written first.
@@ -243,8 +249,11 @@ def _of_sequence(frames: Sequence[str], options: Perceiving, say: Say, write: Sa
         say(
             "rules.pl: over several views it counts who is present; relations are of one view, and are not told to rules"
         )
-    poses, foreseen = _placed_frames(frames, options.poses)
-    if options.poses is None and not all(is_gamma(frame) for frame in frames):
+    frames = views_in(inputs, options.every)
+    poses, foreseen = _placed_frames([frame.name for frame in frames if frame.fault is None], options.poses)
+    in_turn = iter(poses)
+    poses = [None if frame.fault is not None else next(in_turn) for frame in frames]
+    if options.poses is None and not all(is_gamma(frame.name) for frame in frames):
         say("all images are taken to be from the one place that --camera tells; where the camera moved, give --poses")
     panorama = Panorama(perceiver_of(kb, options.generator), _chosen(options))
     looks, failed = _looks(panorama, frames, poses, options.camera, say)
@@ -258,26 +267,26 @@ def _of_sequence(frames: Sequence[str], options: Perceiving, say: Say, write: Sa
 
 
 def _looks(
-    panorama: "Panorama", frames: Sequence[str], poses: Sequence[Placed | None], camera: GivenCamera, say: Say
+    panorama: "Panorama", frames: Sequence[Input], poses: Sequence[Placed | None], camera: GivenCamera, say: Say
 ) -> "tuple[list[tuple[str, Look]], PlogicError | None]":
     """Frame after frame, up to one that cannot be used, and what is wrong with that; raised where it is the first."""
     looks: list[tuple[str, Look]] = []
     told = set[str]()  # notes of a camera: what is true of many frames is said of the first
     for number, (frame, pose) in enumerate(zip(frames, poses, strict=True), 1):
         try:
-            shot = None if is_gamma(frame) else shot_of(frame, camera)
+            shot = _shot(frame, camera)
             for note in shot.notes if shot else ():
                 if note not in told:
-                    say(f"{frame}: {note}")
+                    say(f"{frame.name}: {note}")
                     told.add(note)
             look = _looked(panorama, frame, shot, pose, number)
         except PlogicError as error:
             if not looks:
                 raise
-            say(f"v{number} {frame}: cannot be used; what is written is of the {len(looks)} before it")
+            say(f"v{number} {frame.name}: cannot be used; what is written is of the {len(looks)} before it")
             return looks, error
-        looks.append((frame, look))
-        say(_line(frame, look, panorama))
+        looks.append((frame.name, look))
+        say(_line(frame.name, look, panorama))
     return looks, None
 
 
@@ -312,17 +321,25 @@ def _named(frame: str, poses: Sequence[Placed]) -> Placed | None:
     return max(fit, key=lambda pair: pair[0])[1] if fit else None
 
 
-def _looked(panorama: "Panorama", frame: str, shot: Shot | None, placed: Placed | None, number: int) -> "Look":
+def _looked(panorama: "Panorama", frame: Input, shot: Shot | None, placed: Placed | None, number: int) -> "Look":
     from plogic.sequence.constancy.sight_lines import View
 
-    gamma, image = gamma_of(frame, shot, panorama.perceiver.kb, Stopwatch())
+    gamma, image = gamma_of(frame.name, shot, panorama.perceiver.kb, Stopwatch())
     pose = gamma.camera.world_from_camera if placed is None else placed.world_from_camera
     if pose is None:
+        alone = f"; or take each frame by itself: plogic batch {frame.video}" if frame.video is not None else ""
         raise InputError(
-            f"{frame}: where its camera stood is not known: give --poses FILE, or T_world_camera in the Γ's camera"
+            f"{frame.name}: where its camera stood is not known: give --poses FILE, or T_world_camera in its camera{alone}"
         )
     there = replace(gamma, camera=replace(gamma.camera, world_from_camera=pose))  # one camera file serves all frames
     return panorama.look(View(f"v{number}", there, pose), image)
+
+
+def _shot(frame: Input, camera: GivenCamera) -> Shot | None:
+    """The picture of a frame with its camera; None of a Γ."""
+    if frame.video is not None:
+        return shot_with(frame.pixels(), camera, frame.name)
+    return None if is_gamma(frame.name) else shot_of(frame.name, camera)
 
 
 def _line(frame: str, look: "Look", panorama: "Panorama") -> str:

@@ -14,6 +14,7 @@ from importlib.resources import files
 from string import Template
 
 from plogic.base.errors import BeliefError
+from plogic.face.shown.edges import Stroke, edges_of
 from plogic.facts.document import Interpretation
 
 
@@ -41,8 +42,10 @@ class PageParts:
     """Where the numbers are for a reader whose browser runs no script: a sentence, as markup."""
 
 
-def one_file(parts: PageParts, title: str, document: Mapping[str, object]) -> str:
+def one_file(parts: PageParts, title: str, document: Mapping[str, object], **drawn: object) -> str:
     """Return the page of the document. The same document gives the same bytes.
+
+    ``drawn``: what is computed for the page and is no part of the document, each in a data block of its name.
 
     Raises:
         PageError: the document holds NaN, an infinity or a value that is no JSON.
@@ -58,16 +61,21 @@ def one_file(parts: PageParts, title: str, document: Mapping[str, object]) -> st
         style_hash=content_hash(style),
         script=script,
         script_hash=content_hash(script),
-        data=embedded(document),
+        data="".join(_block(name, value) for name, value in {"data": document, **drawn}.items()),
     )
 
 
-def embedded(document: Mapping[str, object]) -> str:
-    """Return the document as JSON that is safe inside a ``<script>``: ``<``, ``>`` and ``&`` only as escapes."""
+def _block(name: str, value: object) -> str:
+    return f'<script type="application/json" id="{name}">{embedded(value)}</script>\n'
+
+
+def embedded(value: object) -> str:
+    """Return the value as JSON that is safe inside a ``<script>``: ``<``, ``>`` and ``&`` only as escapes."""
     try:
-        text = json.dumps(document, ensure_ascii=True, allow_nan=False, separators=(",", ":"))
+        text = json.dumps(value, ensure_ascii=True, allow_nan=False, separators=(",", ":"))
     except (TypeError, ValueError) as mistake:
-        raise PageError(f"{document.get('format', 'the document')}: cannot be written as JSON: {mistake}") from mistake
+        named = value.get("format") if isinstance(value, Mapping) else None
+        raise PageError(f"{named or 'the document'}: cannot be written as JSON: {mistake}") from mistake
     return text.replace("<", "\\u003c").replace(">", "\\u003e").replace("&", "\\u0026")
 
 
@@ -91,10 +99,13 @@ PARTS = PageParts(
         "model.js",
         "sides.js",
         "signs.js",
+        "edges.js",
         "dots.js",
         "picture.js",
+        "key.js",
         "panels.js",
         "scene.js",
+        "eye.js",
         "webgl.js",
         "canvas.js",
         "stage.js",
@@ -113,4 +124,10 @@ def page(document: Interpretation) -> str:
         PageError: the document holds NaN, an infinity or a value that is no JSON.
     """
     accepted = [h.get("label") or h["type"] for h in document.get("hypotheses", []) if h["status"] == "accepted"]
-    return one_file(PARTS, ", ".join(accepted) or "nothing known", document)
+    edges = {h: [_packed(stroke) for stroke in strokes] for h, strokes in edges_of(document).items()}
+    return one_file(PARTS, ", ".join(accepted) or "nothing known", document, edges=edges)
+
+
+def _packed(stroke: Stroke) -> list[object]:
+    """A stroke as ``edges.js`` reads it: inner, hidden by its own object, hidden by, u, v, u, v and so on."""
+    return [int(stroke.inner), int(stroke.self_hidden), [*stroke.hidden_by], *(x for uv in stroke.points for x in uv)]

@@ -45,18 +45,26 @@ class Camera(geometry_camera.Camera):
         super().__init__(width, height, K, dist, T_world_camera)  # type: ignore[arg-type]  # its checks make arrays of them
 
     @classmethod
-    def load(cls, path: str | Path, frame: str | int | None = None, *, size: tuple[int, int] | None = None) -> Self:
-        """Read a camera from a file of ours, ROS, OpenCV, BOP or COLMAP.
+    def load(
+        cls,
+        path: str | Path,
+        frame: str | int | None = None,
+        *,
+        size: tuple[int, int] | None = None,
+        photo: str | Path | None = None,
+    ) -> Self:
+        """Read a camera from a file of ours, ROS, OpenCV, BOP or COLMAP, or from a COLMAP folder.
 
         Args:
-            path: the file.
-            frame: which camera, where the file has many.
+            path: the file, or the folder.
+            frame: which camera, where there are many.
             size: (width, height) in pixels, where the file states none.
+            photo: the picture whose camera it is, where BOP or COLMAP tell many by their pictures.
 
         Raises:
             Error: with the file, the key or the line, and what is wrong.
         """
-        return cls.of(read_camera(path, frame, size=size))
+        return cls.of(read_camera(path, frame, size=size, photo=photo))
 
     @classmethod
     def of(cls, camera: geometry_camera.Camera) -> Self:

@@ -66,6 +66,9 @@ class Number(click.FloatRange):
 KB = click.option(
     "--kb", "kb_folder", required=True, help="Folder of the knowledge base; `first` and `towers` are shipped."
 )
+EVERY = click.option(
+    "--every", type=click.IntRange(1), default=1, show_default=True, help="Of a video, each so many-th frame."
+)
 
 
 def camera_options(without: str) -> Callable[[Callable[..., None]], Callable[..., None]]:
@@ -175,7 +178,8 @@ class Perceiving:
     """How ``plogic perceive`` interprets its inputs with ``kb``, and the files that it writes.
 
     ``camera``: what was given for that of pictures; ``poses``: where it stood for each of several frames; ``stereo``:
-    the calibration of a pair; ``deadline`` in seconds; ``out`` is stdout where it is ``-``.
+    the calibration of a pair; ``deadline`` in seconds; ``out`` is stdout where it is ``-``; ``every``: of a video each
+    so many-th frame.
     """
 
     kb: str
@@ -192,6 +196,7 @@ class Perceiving:
     report: Path | None = None
     picture: Path | None = None
     timings: Path | None = None
+    every: int = 1
 
 
 @dataclass(frozen=True)
@@ -215,7 +220,8 @@ class Batching:
     """How ``plogic batch`` works through its frames, and where their lines go.
 
     ``out``: a file, ``-`` for stdout; ``order``: ``input`` or ``done``; ``jobs``: processes of this machine, None for
-    one a core; ``dask``: the address of a cluster that works instead; ``timeout``: seconds that a frame may take.
+    one a core; ``dask``: the address of a cluster that works instead; ``timeout``: seconds that a frame may take;
+    ``every``: of a video each so many-th frame.
     """
 
     out: str = "-"
@@ -224,6 +230,23 @@ class Batching:
     jobs: int | None = None
     dask: str | None = None
     timeout: float | None = None
+    every: int = 1
+
+
+@dataclass(frozen=True)
+class Watching:
+    """Which frames ``plogic watch`` takes, and what it writes of each.
+
+    Each ``every``-th frame, ``limit`` of them at most; ``newest``: of a stream, the newest one. ``short`` lines, as of
+    ``plogic batch``; ``picture``: where the newest picture stands; ``pictures``: the folder of all.
+    """
+
+    every: int = 1
+    limit: int | None = None
+    newest: bool = False
+    short: bool = False
+    picture: Path | None = None
+    pictures: Path | None = None
 
 
 @dataclass(frozen=True)

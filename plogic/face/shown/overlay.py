@@ -3,7 +3,8 @@
 Small images are drawn at twice their scale. Circles stand where features are Expected (D7), squares where they are
 not; filled when Detected (D8), dashed when not, so the four cases of §4.2 look different: A filled circle, B dashed
 square, C dashed circle, D filled square. One colour per hypothesis (Okabe and Ito's palette, told apart by colour-blind
-eyes); a strip below explains the marks.
+eyes); a strip below explains the marks. Outlines and creases are dashed where another accepted object or their own
+hides them.
 
 Where an accepted type is learned, or Γ has more than ``MANY`` appearances, the same four cases are drawn as dots: a
 filled dot found, a hollow one missed, a small square unexpected, nothing where neither; and appearances that nothing
@@ -12,7 +13,8 @@ towards its side, and a missed one, of which no angle is known, a small cross.
 """
 
 from collections import Counter
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from dataclasses import dataclass
 from functools import partial
 
@@ -20,6 +22,7 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
+from plogic.face.shown.edges import edges_of
 from plogic.face.shown.pencil import Box, Colour, Pencil, Place, free_place
 from plogic.facts.document import FeatureRow, HypothesisRow, Interpretation
 
@@ -33,6 +36,8 @@ NOTABLE = 6
 """At most so many features of one hypothesis are named: the rarest of its types, then cases D and C."""
 MANY = 500
 """Appearances of a photo: of more than so many, none is drawn that nothing claims, and all marks are dots."""
+BUSY, PALE = 200, 0.4
+"""More marks than so many are drawn with this share of their opacity, so that the objects are seen through them."""
 CASES = (
     ("A", "expected, detected", True, True),
     ("C", "expected, missed", True, False),
@@ -62,16 +67,19 @@ def overlay(document: Interpretation, image: NDArray[np.uint8] | None) -> NDArra
     picture = np.asarray(cv2.resize(ground, size, interpolation=cv2.INTER_CUBIC), np.uint8)
     pencil = Pencil(picture, scale)
     accepted = [h for h in document.get("hypotheses", []) if h["status"] == "accepted"]
+    dashed = _draw_edges(pencil, accepted, document)
     if crowded(document):
         sides = sides_of(document)
         draw_dots(pencil, accepted, sides)
-        return np.concatenate([picture, _legend(picture.shape[1], accepted, [], sides)])
-    _draw_hypotheses(pencil, accepted)
+        return np.concatenate([picture, _legend(picture.shape[1], accepted, [], sides, dashed=dashed)])
     kinds = sorted({a["type"] for a in document.get("appearances", [])})
-    for a in document.get("appearances", []):
-        pencil.sign(a["uv"], a["type"], kinds)
+    marks = [(f, i) for i, h in enumerate(accepted) for f in h.get("features", []) if f.get("case")]
+    with _seen_through(pencil, len(marks) + len(document.get("appearances", []))):
+        _draw_marks(pencil, marks)
+        for a in document.get("appearances", []):
+            pencil.sign(a["uv"], a["type"], kinds)
     _draw_names(pencil, accepted, [a["uv"] for a in document.get("appearances", [])])
-    return np.concatenate([picture, _legend(picture.shape[1], accepted, kinds)])
+    return np.concatenate([picture, _legend(picture.shape[1], accepted, kinds, dashed=dashed)])
 
 
 def crowded(document: Interpretation) -> bool:
@@ -111,15 +119,17 @@ def sides_of(document: Interpretation) -> Sides:
 
 
 def draw_dots(pencil: Pencil, accepted: list[HypothesisRow], sides: Sides) -> None:
-    """Outlines, then a mark for each feature by its case, then the names with their probabilities."""
-    for i, h in enumerate(accepted):
-        for ring in h.get("outline", []):
-            pencil.polygon(ring, colour_of(i), width=2)
-    for wanted in ("D", "C", "A"):
-        for i, h in enumerate(accepted):
-            for f in h.get("features", []):
-                if f.get("case") == wanted:
-                    _draw_small(pencil, f, colour_of(i), sides)
+    """A mark for each feature by its case, pale where they are hundreds, then the names with their probabilities."""
+    marks = [
+        (f, i)
+        for wanted in ("D", "C", "A")
+        for i, h in enumerate(accepted)
+        for f in h.get("features", [])
+        if f.get("case") == wanted
+    ]
+    with _seen_through(pencil, len(marks)):
+        for f, i in marks:
+            _draw_small(pencil, f, colour_of(i), sides)
     taken: list[Box] = []
     for i, h in enumerate(accepted):
         _write_name(pencil, h, i, taken, f"{_name(h)}{_chance(h)}")
@@ -146,15 +156,31 @@ def colour_of(index: int) -> Colour:
     return bgr(PALETTE[index % len(PALETTE)])
 
 
-def _draw_hypotheses(pencil: Pencil, accepted: list[HypothesisRow]) -> None:
-    for i, h in enumerate(accepted):
-        for ring in h.get("outline", []):
-            pencil.polygon(ring, colour_of(i))
-    for wanted in ("B", "D", "A", "C"):  # what speaks loudest is drawn last
-        for i, h in enumerate(accepted):
-            for f in h.get("features", []):
-                if f.get("case") == wanted:
-                    pencil.feature(f["uv"], colour_of(i), circle=bool(f["expected"]), filled=bool(f["detected"]))
+def _draw_edges(pencil: Pencil, accepted: list[HypothesisRow], document: Interpretation) -> bool:
+    """Draw what is hidden first, then what is seen; tell whether anything is hidden."""
+    edges = edges_of({**document, "hypotheses": [*accepted]})
+    rows = [
+        (bool(stroke.self_hidden or stroke.hidden_by), stroke, i)
+        for i, h in enumerate(accepted)
+        for stroke in edges.get(h["id"], [])
+    ]
+    for hidden, stroke, i in sorted(rows, key=lambda row: not row[0]):
+        pencil.stroke(stroke.points, colour_of(i), 1 if stroke.inner else 2, dashed=hidden)
+    return any(hidden for hidden, *_ in rows)
+
+
+def _draw_marks(pencil: Pencil, marks: list[tuple[FeatureRow, int]]) -> None:
+    for f, i in sorted(marks, key=lambda mark: "BDAC".index(mark[0]["case"] or "B")):  # what speaks loudest comes last
+        pencil.feature(f["uv"], colour_of(i), circle=bool(f["expected"]), filled=bool(f["detected"]))
+
+
+@contextmanager
+def _seen_through(pencil: Pencil, marks: int) -> Iterator[None]:
+    """Draw so many marks pale where they are hundreds."""
+    bare = pencil.picture.copy() if marks > BUSY else None
+    yield
+    if bare is not None:
+        pencil.picture[:] = cv2.addWeighted(pencil.picture, PALE, bare, 1 - PALE, 0)
 
 
 def _draw_names(pencil: Pencil, accepted: list[HypothesisRow], signs: list[list[float]]) -> None:
@@ -209,16 +235,18 @@ def _chance(h: HypothesisRow) -> str:
 
 
 def _legend(
-    width: int, accepted: list[HypothesisRow], kinds: list[str], sides: Sides | None = None
+    width: int, accepted: list[HypothesisRow], kinds: list[str], sides: Sides | None = None, *, dashed: bool
 ) -> NDArray[np.uint8]:
-    """Return the strip (lines, width, 3) that explains colours, cases and signs; it wraps. ``sides``.
+    """Return the strip (lines, width, 3) that explains colours, lines, cases and signs; it wraps.
 
-    Of the small marks of many features.
+    ``dashed``: an edge is hidden. ``sides``: of the small marks of many features.
     """
     entries = _case_entries(accepted, sides)
     entries += [
         (f"{_name(h)}{'' if sides is None else _chance(h)}", _swatch(colour_of(i))) for i, h in enumerate(accepted)
     ]
+    entries += [("edge", partial(_sample, dashed=False))] * bool(accepted)
+    entries += [("hidden edge", partial(_sample, dashed=True))] * dashed
     entries += [(k.replace("_", " "), partial(Pencil.sign, kind=k, kinds=kinds)) for k in kinds]
     strip = np.full((LINE * (3 + len(entries)), width, 3), 34, np.uint8)
     pencil, x, y = Pencil(strip, 1), 14.0, 12 + LINE / 2
@@ -242,7 +270,8 @@ def _case_entries(accepted: list[HypothesisRow], sides: Sides | None) -> list[En
     for letter, name, circle, filled in CASES:
         full = partial(Pencil.feature, colour=GREY, circle=circle, filled=filled)
         small = partial(Pencil.dot, colour=GREY, circle=circle, filled=letter == "A") if letter != "B" else _nothing
-        entries.append((f"{letter} {name}: {counts[letter]}", full if sides is None else small))
+        apart = "" if sides is None or letter != "B" else ", not drawn"
+        entries.append((f"{letter} {name}{apart}: {counts[letter]}", full if sides is None else small))
     along = Counter(sides.case(f) for f in features) if sides is not None else Counter()
     if along["A"] + along["C"]:
         entries.append((f"A, sides of edges: {along['A']}", partial(Pencil.side, angle=np.pi / 2, colour=GREY)))
@@ -256,6 +285,10 @@ def _swatch(colour: Colour) -> Draw:
         cv2.rectangle(pencil.picture, (x - 8, y - 8), (x + 8, y + 8), colour, -1)
 
     return draw
+
+
+def _sample(pencil: Pencil, at: Place, *, dashed: bool) -> None:
+    pencil.stroke([(at[0] - 12, at[1]), (at[0] + 12, at[1])], GREY, 2, dashed=dashed)
 
 
 def _nothing(_pencil: Pencil, _at: Place) -> None:

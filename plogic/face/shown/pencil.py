@@ -21,6 +21,8 @@ SHIFT = 4
 """OpenCV's fixed point: coordinates in sixteenths of a pixel."""
 RING = 56
 """Points of a ring; divisible by its four sides and by its dashes."""
+DASH, GAP = 9.0, 7.0
+"""Of a dashed line, in pixels of the drawn picture."""
 FONT = cv2.FONT_HERSHEY_DUPLEX
 SIGNS: dict[str, tuple[tuple[tuple[int, int], ...], ...]] = {
     "patch": (((-4, -4), (4, -4), (4, 4), (-4, 4), (-4, -4)),),
@@ -48,11 +50,12 @@ class Pencil:
         """Return the place in the drawn picture of an image point (integer = pixel centre in both)."""
         return (float(uv[0]) + 0.5) * self.scale - 0.5, (float(uv[1]) + 0.5) * self.scale - 0.5
 
-    def polygon(self, ring: Sequence[Place], colour: Colour, width: int = 3) -> None:
-        """Draw a closed ring of image points."""
-        points = np.array([self.at(p) for p in ring])
-        for paint, wide in ((DARK, 2 * width), (colour, width)):
-            self._line(points, paint, wide, closed=True)
+    def stroke(self, line: Sequence[Place], colour: Colour, width: int, *, dashed: bool) -> None:
+        """Draw a line through image points: whole, or in dashes."""
+        points = np.array([self.at(p) for p in line])
+        for piece in _dashed(points) if dashed else [points]:
+            for paint, wide in ((DARK, width + (1 if dashed else width)), (colour, width)):
+                self._line(piece, paint, wide)
 
     def dot(self, uv: Place, colour: Colour, *, circle: bool, filled: bool) -> None:
         """Draw the small mark of one of many features: a disc, a ring, or (no circle) a small square."""
@@ -182,6 +185,17 @@ def _dashes(ring: NDArray[np.float64], count: int) -> list[NDArray[np.float64]]:
     """Return so many short pieces of a closed ring, each centred on a point of it; a square's four are its corners."""
     half = 3 if count == 4 else 2
     return [ring[np.arange(k - half, k + half + 1) % RING] for k in range(0, RING, RING // count)]
+
+
+def _dashed(points: NDArray[np.float64]) -> list[NDArray[np.float64]]:
+    """Return the pieces of a line that its dashes cover, the first from its start."""
+    reach = np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(points, axis=0), axis=1))])
+    pieces = []
+    for start in np.arange(0.0, reach[-1], DASH + GAP):
+        inner = points[(reach > start) & (reach < start + DASH)]
+        ends = [[np.interp(x, reach, axis) for axis in points.T] for x in (start, min(start + DASH, reach[-1]))]
+        pieces.append(np.array([ends[0], *inner, ends[1]]))
+    return pieces
 
 
 def _plain(text: str) -> str:

@@ -6,10 +6,11 @@
 ``appearances``, how many there are; ``hypotheses``, those that are accepted or in a listed world; ``worlds`` and
 ``unlisted_mass``; of what is unfinished, ``stopped`` and the intervals.
 
-``sha256`` is that of the bytes that were read, as ``cat PICTURE CAMERA | sha256sum`` prints it: of a Γ the file, of a
-picture the file and then its camera's, of a BOP frame the picture and then its entry of ``scene_camera.json`` as JSON
-with sorted keys, of a lost frame its error. It is ``null`` where some of that could not be read, or changed meanwhile;
-where a worker was given up on it is of the files as they were then.
+``sha256`` is that of the bytes that were read, as ``cat PICTURE CAMERA | sha256sum`` prints it: of a Γ the file; of a
+picture the file and then its camera's, with ``#NAME`` after it where that is one of many; of a BOP frame the picture
+and then its entry of ``scene_camera.json`` as JSON with sorted keys; of a lost frame its error. It is ``null`` where
+some of that could not be read, or changed meanwhile; where a worker was given up on it is of the files as they were
+then.
 """
 
 import json
@@ -18,7 +19,7 @@ from dataclasses import dataclass
 from typing import Annotated, Final, Literal, NotRequired, TypedDict
 
 from geometry.camera import Pose
-from plogic.facts.document import HypothesisRow, Interpretation, KBRow, RejectedRow, Status, WorldRow
+from plogic.facts.document import HypothesisRow, Interpretation, KBRow, MomentRow, RejectedRow, Status, WorldRow
 from plogic.facts.fact_rows import Interval
 from plogic.facts.situation import Stopped, stopped_in
 from plogic.run.batch.frames import Frame, Settings, SettingsRow, digest_of
@@ -71,9 +72,13 @@ class Head(TypedDict):
     format: Literal["frame/1"]
     input: Annotated[str, "The input as it was named."]
     frame: Annotated[
-        str | None, "The frame within the input, `000002/000017` of a BOP dataset; null where it holds one."
+        str | None,
+        "The frame within the input, `000002/000017` of a BOP dataset, `clip_000012` of a video; null where it holds one.",
     ]
-    sha256: Annotated[str | None, "SHA-256 of the bytes that were read; null where some could not be read."]
+    moment: NotRequired[Annotated[MomentRow, "Which frame of a stream it is, where `watch` wrote the line."]]
+    sha256: Annotated[
+        str | None, "SHA-256 of the bytes that were read; null where some could not be read, and of a stream."
+    ]
     kb: Annotated[KBRow, "The knowledge base that was perceived with."]
     options: Annotated[SettingsRow, "The options that decide the line."]
 
@@ -115,26 +120,37 @@ class Lines:
     kb: KBRow
 
     def perceived(
-        self, frame: Frame, document: Interpretation, sha256: str | None, notes: Sequence[str] = ()
+        self,
+        frame: Frame,
+        document: Interpretation,
+        sha256: str | None,
+        notes: Sequence[str] = (),
+        *,
+        moment: MomentRow | None = None,
     ) -> tuple[str, bytes]:
-        """Status and line of a frame with its interpretation; ``sha256`` is of what was read."""
+        """Status and line of a frame with its interpretation.
+
+        ``sha256`` is of what was read; ``moment``: of a stream's frame.
+        """
         status: Literal["done", "unfinished"] = "unfinished" if document.get("unfinished") else "done"
-        head = self._head(frame, sha256)
+        head = self._head(frame, sha256, moment)
         noted: Noted = {"notes": [*notes]} if notes else {}
         if self.settings.full:
             return status, _line({**head, "status": status, **noted, "interpretation": document})
         return status, _line({**head, "status": status, **noted, **short(document, self.settings.worlds)})
 
-    def wrong(self, frame: Frame, message: str, sha256: str | None) -> tuple[str, bytes]:
+    def wrong(
+        self, frame: Frame, message: str, sha256: str | None, *, moment: MomentRow | None = None
+    ) -> tuple[str, bytes]:
         """Status and line of a bad frame."""
-        return ERROR, _line({**self._head(frame, sha256), "status": "error", "error": message})
+        return ERROR, _line({**self._head(frame, sha256, moment), "status": "error", "error": message})
 
     def given_up(self, frame: Frame, message: str) -> tuple[str, bytes]:
         """As ``wrong``, of a frame whose worker is gone and cannot say what it read: as it is now."""
         return self.wrong(frame, message, digest_of(frame, self.settings.camera))
 
-    def _head(self, frame: Frame, sha256: str | None) -> Head:
-        return {
+    def _head(self, frame: Frame, sha256: str | None, moment: MomentRow | None) -> Head:
+        head: Head = {
             "format": FORMAT,
             "input": frame.input,
             "frame": frame.frame,
@@ -142,6 +158,12 @@ class Lines:
             "kb": self.kb,
             "options": self.settings.document(),
         }
+        return head if moment is None else {**head, "moment": moment}
+
+
+def is_noted(line: bytes) -> bool:
+    """Whether a line has ``notes``; within a text the quotes would be escaped."""
+    return b'"notes":[' in line
 
 
 def _line(row: FrameLine) -> bytes:

@@ -1,11 +1,11 @@
 """One frame of many, and how it is to be perceived.
 
 * ``Frame("scenes/7/image.png", None, "image")``; of a BOP dataset ``Frame("lmo", "000002/000017", "bop",
-  "/data/lmo/test/000002")``
+  "/data/lmo/test/000002")``; of a video ``Frame("clip.mp4", "clip_000012", "video")``
 * ``Settings("towers", camera=None, reading="posterior")``
 
-``frames_of`` leads to them from what a user names: files, folders, patterns, BOP datasets, and lists of all these on
-standard input.
+``frames_of`` leads to them from what a user names: files, folders, patterns, videos, BOP datasets, and lists of all
+these on standard input.
 """
 
 import glob
@@ -24,15 +24,18 @@ from geometry.files.plain_files import IS_FOLDER, IS_MISSING, fault_of, is_there
 from plogic.base.errors import InputError
 from plogic.facts.situation import Reading, Reconsider
 from plogic.run.cameras import NOTHING_GIVEN, GivenCamera
+from plogic.run.video.video import counted, frame_name, is_video
 
 if TYPE_CHECKING:
     from plogic.run.bop.dataset import Scene
 
 
-Kind = Literal["gamma", "image", "bop", "lost"]
+Kind = Literal["gamma", "image", "video", "bop", "lost"]
 
 SCENES = 4
 """BOP scenes whose cameras are kept."""
+VIDEOS_HASHED = 8
+"""Videos whose digests are kept."""
 PIECE = 1 << 20
 """Bytes of a file that are hashed at a time."""
 
@@ -128,13 +131,23 @@ def scene_and_image(frame: Frame) -> tuple[int, int]:
     return int(scene), int(image)
 
 
+def number_in_video(frame: Frame) -> int:
+    """The number of a video's frame; the first is 0."""
+    return int(str(frame.frame).rpartition("_")[2])
+
+
 def scene_at(folder: str, number: int) -> "Scene":
     """The scene of a folder, whose cameras are parsed once for as long as their file does not change."""
+    return _scene(folder, number, version_of(Path(folder) / "scene_camera.json"))
+
+
+def version_of(path: Path) -> tuple[int, ...]:
+    """What changes where a file does; nothing where there is none."""
     try:
-        found = (Path(folder) / "scene_camera.json").stat()
+        found = path.stat()
     except OSError:
-        return _scene(folder, number, ())
-    return _scene(folder, number, (found.st_dev, found.st_ino, found.st_size, found.st_mtime_ns))
+        return ()
+    return found.st_dev, found.st_ino, found.st_size, found.st_mtime_ns
 
 
 @lru_cache(SCENES)
@@ -154,6 +167,9 @@ def digest_of(frame: Frame, camera: GivenCamera, *, nested: bool = False) -> str
     total = hashlib.sha256()
     try:
         for part in _parts(frame, camera):
+            if frame.kind == "video" and part == Path(frame.input):  # the same for each of its frames
+                total = _video_hash(part, version_of(part)).copy()
+                continue
             for piece in (
                 [part.encode()] if isinstance(part, str) else [_file_digest(part)] if nested else _pieces(part)
             ):
@@ -174,7 +190,12 @@ def _parts(frame: Frame, camera: GivenCamera) -> list[Path | str]:
             return [read.picture(image), json.dumps(read.cameras[image], sort_keys=True)]
         except (PlogicError, KeyError) as error:
             raise ValueError(frame.frame) from error
-    return [Path(frame.input), *(camera_of(frame, camera).files() if frame.kind == "image" else [])]
+    if frame.kind == "gamma":
+        return [Path(frame.input)]
+    try:
+        return [Path(frame.input), *camera_of(frame, camera).parts(frame.input)]
+    except PlogicError as error:
+        raise ValueError(frame.input) from error
 
 
 def _pieces(path: Path) -> Iterator[bytes]:
@@ -191,6 +212,15 @@ def _file_digest(path: Path) -> bytes:
     for piece in _pieces(path):
         digest.update(piece)
     return digest.digest()
+
+
+@lru_cache(VIDEOS_HASHED)
+def _video_hash(path: Path, _version: tuple[int, ...]) -> "hashlib._Hash":
+    """That of its bytes, which is gone on with. Raises OSError and ValueError."""
+    total = hashlib.sha256()
+    for piece in _pieces(path):
+        total.update(piece)
+    return total
 
 
 PICTURES = (".png", ".jpg", ".jpeg", ".bmp", ".tif", ".tiff", ".webp", ".pgm", ".ppm")
@@ -212,16 +242,16 @@ DATASET = ("scene_camera.json", "[0-9]*/scene_camera.json", "*/[0-9]*/scene_came
 """What tells a BOP dataset: its scene's, its split's or its own folder holds one of these."""
 
 
-def frames_of(inputs: Iterable[str], listed: Iterable[str]) -> list[Frame]:
+def frames_of(inputs: Iterable[str], listed: Iterable[str], every: int = 1) -> list[Frame]:
     """Every frame once, in the order of the inputs, and inside a folder in that of names.
 
-    ``-`` stands for the lines of ``listed``.
+    ``-`` stands for the lines of ``listed``; of a video, which is one that is named, each ``every``-th frame counts.
 
     An input that leads to no frame, or a folder that is no BOP dataset though it looks like one, is a lost frame.
     Raises InputError where there is no input at all.
     """
     named = (name for given in inputs for name in (_lines(listed) if given == "-" else [given]))
-    found = {(frame.input, frame.frame): frame for name in named for frame in _frames(name)}
+    found = {(frame.input, frame.frame): frame for name in named for frame in _frames(name, every)}
     if not found:
         raise InputError("there is no input")
     return list(found.values())
@@ -231,13 +261,15 @@ def _lines(listed: Iterable[str]) -> Iterator[str]:
     return (line for line in (line.rstrip("\r\n") for line in listed) if line)
 
 
-def _frames(name: str) -> list[Frame]:
+def _frames(name: str, every: int) -> list[Frame]:
     path = Path(name)
     fault = fault_of(path)
     if fault == IS_MISSING and glob.has_magic(name):
-        found = [frame for match in sorted(glob.glob(name, recursive=True)) for frame in _frames(match)]  # noqa: PTH207 - any path's pattern
+        found = [frame for match in sorted(glob.glob(name, recursive=True)) for frame in _frames(match, every)]  # noqa: PTH207 - any path's pattern
     elif fault == IS_FOLDER:
         found = _of_dataset(path) if any(any(path.glob(pattern)) for pattern in DATASET) else _of_folder(path)
+    elif fault is None and is_video(name):
+        found = _of_video(path, every)
     else:
         return [_of_file(path)]
     return found or [_lost(name, "leads to no picture and no Γ")]
@@ -249,6 +281,13 @@ def _of_file(path: Path) -> Frame:
     if fault is not None:
         return _lost(str(path), fault)
     return Frame(str(path), None, "gamma" if path.suffix.lower() == ".json" else "image")
+
+
+def _of_video(path: Path, every: int) -> list[Frame]:
+    """Its frames, as many as can be decoded, and a lost one for what cannot."""
+    frames, fault = counted(path)
+    found = [Frame(str(path), frame_name(path, number), "video") for number in range(0, frames, every)]
+    return found + ([Frame(str(path), None, "lost", fault)] if fault is not None else [])
 
 
 def _of_folder(folder: Path) -> list[Frame]:

@@ -1,5 +1,6 @@
 """One frame after the other, in a process that has read the knowledge base once."""
 
+from pathlib import Path
 from time import monotonic
 
 from geometry.errors import PlogicError
@@ -8,10 +9,21 @@ from plogic.base.errors import InputError
 from plogic.cycle.delta import Options
 from plogic.facts.document import Interpretation
 from plogic.run.batch.frame_lines import Lines
-from plogic.run.batch.frames import Frame, Settings, camera_of, checked, digest_of, scene_and_image, scene_at
-from plogic.run.cameras import Shot, shot_of
+from plogic.run.batch.frames import (
+    Frame,
+    Settings,
+    camera_of,
+    checked,
+    digest_of,
+    number_in_video,
+    scene_and_image,
+    scene_at,
+    version_of,
+)
+from plogic.run.cameras import Shot, shot_of, shot_with
 from plogic.run.perceive import perceiver_of
 from plogic.run.sources import gamma_of, kb_of
+from plogic.run.video.video import frame_at
 
 CHANGED = "changed while it was read"
 """What is wrong with a frame whose bytes before and after are not the same."""
@@ -72,6 +84,9 @@ class Worker:
         if frame.kind == "gamma":
             return None
         camera = camera_of(frame, self.settings.camera)
-        for path in camera.files():
-            checked(path)
+        if (source := camera.source()) is not None:
+            checked(source)
+        if frame.kind == "video":
+            pixels = frame_at(frame.input, version_of(Path(frame.input)), number_in_video(frame))
+            return shot_with(pixels, camera, frame.name)
         return shot_of(frame.input, camera)

@@ -154,7 +154,11 @@ IMAGES = {
     ("image.png", "--camera", "small.json"): "small.json: the camera is 320x480, but image.png is 640x480",
     ("image.png", "--camera", "nowhere.json"): "nowhere.json: cannot be read: No such file",
     ("image.png", "--camera", "empty.json"): "empty.json: must be a camera",
-    ("image.png", "--camera", "folder.json"): "folder.json: cannot be read: Is a directory",
+    (
+        "image.png",
+        "--camera",
+        "folder.json",
+    ): "folder.json: cannot be read: it is a folder without COLMAP's cameras.bin",
     ("image.png", "--camera", "image.png"): "image.png:1:1: is no camera: byte 0 is no UTF-8",
     ("nowhere.png", "--camera", "camera.json"): "nowhere.png: cannot be read: No such file",
     ("empty.png", "--camera", "camera.json"): "empty.png: is empty",

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import hashlib
 import json
 
 import cv2
@@ -114,11 +115,11 @@ def test_no_such_angle_or_length_is_bad_usage(folder, way):
     [
         (
             camera(120, 128, 96),
-            "of the same shape; if it was scaled by 0.5, its camera has fx 60, fy 60, cx 31.5, cy 23.5, or --focal 60",
+            "of the same shape; if it was scaled by 0.5, give its camera with fx 60, fy 60, cx 31.5, cy 23.5, or --focal 60",
         ),
         (
             camera(30, 32, 24, [-0.1, 0, 0, 0]),
-            "scaled by 2, its camera has fx 60, fy 60, cx 31.5, cy 23.5, dist as it is",
+            "scaled by 2, give its camera with fx 60, fy 60, cx 31.5, cy 23.5, dist as it is",
         ),
         (camera(60, 48, 64), "it is turned by a quarter"),
         (camera(60, 64, 64), "it is of another shape, so it was cut, or is another camera's"),
@@ -156,4 +157,71 @@ def test_batch_guesses_by_exif_and_its_lines_say_so(folder):
         "camera guessed from EXIF: 28 mm equivalent, focal 52 px; no lens distortion known",
         TURNED,
     ]
-    assert run.stderr.splitlines()[-1] == "out.jsonl: 2 frames, 1 bad, 1 with a camera guessed from EXIF (notes)"
+    assert run.stderr.splitlines()[-1] == "out.jsonl: 2 frames, 1 bad, 1 with a guessed or doubtful camera (notes)"
+
+
+@pytest.fixture
+def rig(folder):
+    """A reconstruction of two pictures by two cameras, and pictures that are of neither."""
+    (folder / "camera.json").unlink()
+    (folder / "rig").mkdir()
+    lines = "1 SIMPLE_PINHOLE 64 48 60 32 24\n2 SIMPLE_PINHOLE 64 48 70 32 24\n"
+    (folder / "rig/cameras.txt").write_text(f"# cameras\n{lines}")
+    (folder / "rig/images.txt").write_text("1 1 0 0 0 0 0 0 1 a.png\n\n2 1 0 0 0 0 0 0 2 shots/b.png\n1 2 -1\n")
+    for name in ("a.png", "b.png", "000007.png"):
+        cv2.imwrite(str(folder / name), grey(64, 48))
+    entry = {"cam_K": [90, 0, 31.5, 0, 90, 23.5, 0, 0, 1], "width": 64, "height": 48}
+    (folder / "scene_camera.json").write_text(json.dumps({"5": {**entry, "cam_K": [1] * 9}, "7": entry}))
+    return folder
+
+
+@pytest.mark.parametrize(
+    ("name", "given", "f"),
+    [
+        ("a.png", "rig", 60.0),
+        ("b.png", "rig", 70.0),
+        ("b.png", "rig/cameras.txt", 70.0),
+        ("b.png", "rig#1", 60.0),
+        ("plain.png", "rig/cameras.txt#2", 70.0),
+        ("000007.png", "scene_camera.json", 90.0),
+        ("plain.png", "scene_camera.json#7", 90.0),
+    ],
+)
+def test_one_camera_of_many_is_told_by_the_picture_or_by_its_name(rig, name, given, f):
+    assert perceived(rig, name, "--camera", given) == (camera(f), [])
+
+
+def test_a_picture_that_tells_no_camera_of_many_says_which_there_are(rig):
+    lines = refused(rig, "perceive", "plain.png", "--camera", "rig", "--kb", "towers", "-o", "out.json")
+    wanted = (
+        "rig/cameras.txt: has 2 cameras; say which camera: 1, 2 (FILE#1); images.txt tells no one camera for plain.png"
+    )
+    assert_lines(lines, [wanted])
+    lines = refused(rig, "perceive", "plain.png", "--camera", "rig#3", "--kb", "towers", "-o", "out.json")
+    assert_lines(lines, ["rig/cameras.txt: has no camera 3; it has 1, 2"])
+
+
+def test_batch_takes_each_picture_s_own_camera_and_sees_when_that_changes(rig):
+    args = ("batch", "a.png", "b.png", "plain.png", "--kb", "towers", "--full", "--camera", "rig", "-o", "out.jsonl")
+    assert plogic(*args, cwd=rig).returncode == 1
+    a, b, other = (json.loads(line) for line in (rig / "out.jsonl").read_text().splitlines())
+    assert [row["interpretation"]["camera"]["K"][0][0] for row in (a, b)] == [60.0, 70.0]
+    assert "tells no one camera for plain.png" in other["error"]
+    cameras = (rig / "rig/cameras.txt").read_bytes()
+    assert b["sha256"] == hashlib.sha256((rig / "b.png").read_bytes() + cameras + b"#2").hexdigest()
+    good("batch", "a.png", "b.png", "--kb", "towers", "--camera", "rig", "-o", "two.jsonl", cwd=rig)
+    images = rig / "rig/images.txt"
+    images.write_text(images.read_text().replace("2 shots/b.png", "1 shots/b.png"))
+    again = plogic(
+        "batch", "a.png", "b.png", "--kb", "towers", "--camera", "rig", "--resume", "-o", "two.jsonl", cwd=rig
+    )
+    assert again.returncode == 1
+    assert "b.png or its camera has changed" in again.stderr
+
+
+def test_a_topic_that_was_echoed_is_a_camera(folder):
+    message = "header:\n  stamp:\n    sec: 1\nheight: 48\nwidth: 64\nd: []\nk:\n" + "".join(
+        f"- {number}\n" for number in (60.0, 0.0, 31.5, 0.0, 60.0, 23.5, 0.0, 0.0, 1.0)
+    )
+    (folder / "info.yaml").write_text(f"{message}---\n{message}---\n")
+    assert perceived(folder, "plain.png", "--camera", "info.yaml") == (camera(60.0), [])

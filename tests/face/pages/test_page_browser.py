@@ -96,6 +96,7 @@ LAYERS = {
     "expected": "#circles .mark",
     "hidden": "#squares .mark",
     "outlines": ".outline",
+    "unseen": ".unseen",
     "labels": ".name",
 }
 

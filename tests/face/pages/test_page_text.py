@@ -36,7 +36,7 @@ def test_hostile_names_stay_inside_the_data(towers):
     text = page(
         towers | {"kb": {"name": HOSTILE, "digest": ""}, "hypotheses": [{"status": "accepted", "label": HOSTILE}]}
     )
-    assert text.count("</script>") == 2
+    assert text.count("</script>") == 3
     assert "<img" not in text
     assert embedded({"x": HOSTILE}).isascii()
     assert json.loads(embedded({"x": HOSTILE})) == {"x": HOSTILE}
@@ -50,7 +50,18 @@ def test_what_json_does_not_know_is_refused(towers, value):
 
 def test_the_code_stays_small(towers):
     text = page(towers | {"assets": {}})
-    assert len(element(text, "script")) < 52_400
+    assert len(element(text, "script")) < 64_000
+
+
+def test_ids_in_what_is_drawn_cannot_escape(towers):
+    hostile = copy.deepcopy(towers)
+    for h in hostile["hypotheses"]:
+        h["id"] += HOSTILE
+    text = page(hostile)
+    edges = json.loads(element(text, "script", ' type="application/json" id="edges"'))
+    assert set(edges) == {h["id"] for h in hostile["hypotheses"]}
+    assert any(f"h1{HOSTILE}" in run[2] for run in edges[f"h2{HOSTILE}"])
+    assert text.count("</script>") == 3
 
 
 def test_page_and_picture_have_the_same_colours(towers):

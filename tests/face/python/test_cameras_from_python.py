@@ -23,6 +23,15 @@ def test_a_camera_of_any_format_loads(tmp_path):
     assert [Camera.load(tmp_path / name) == ours for name in ("ours.json", "cameras.txt", "ros.yaml")] == [True] * 3
 
 
+def test_a_camera_of_many_is_told_by_its_picture(tmp_path):
+    (tmp_path / "cameras.txt").write_text("1 PINHOLE 64 48 60 60 32 24\n2 PINHOLE 64 48 70 70 32 24\n")
+    (tmp_path / "images.txt").write_text("1 1 0 0 0 0 0 0 2 a.png\n\n")
+    assert Camera.load(tmp_path, photo="shots/a.png").f == 70
+    assert Camera.load(tmp_path, 1).f == 60
+    with pytest.raises(plogic.Error, match="say which camera: 1, 2"):
+        Camera.load(tmp_path)
+
+
 def test_a_camera_takes_its_lens_and_its_place():
     pose = np.eye(4)
     camera = Camera(640, 480, [[600, 0, 320], [0, 600, 240], [0, 0, 1]], [0.1, 0, 0, 0], pose)

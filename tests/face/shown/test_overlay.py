@@ -7,9 +7,11 @@ import copy
 import cv2
 import numpy as np
 import pytest
+import shapely
 from towers_scene import HEIGHT, WIDTH, photograph
 
-from plogic.face.shown.overlay import PALETTE, bgr, overlay
+from plogic.face.shown.edges import edges_of
+from plogic.face.shown.overlay import BUSY, PALETTE, bgr, overlay
 from plogic.face.shown.pencil import Pencil, free_place, meet
 
 
@@ -100,3 +102,48 @@ def test_a_mark_at_the_edge_and_one_outside_do_no_harm():
     for place in ((0, 0), (39, 39), (-30, 10), (500, 500)):
         Pencil(picture, 1).feature(place, bgr(PALETTE[1]), circle=True, filled=True)
     assert (picture != 205).any()
+
+
+def _bare(towers, **changes):
+    """Edges and names alone: no feature, no appearance."""
+    rows = [h | {"features": []} for h in towers["hypotheses"]]
+    return _plain(towers, hypotheses=rows, appearances=[], **changes)
+
+
+def _coloured(picture, stroke, colour):
+    """The share of a stroke's places that have its colour."""
+    line = shapely.LineString(stroke.points)
+    places = shapely.get_coordinates(line.interpolate(np.arange(3.0, max(3.5, line.length - 3), 0.5)))
+    u, v = np.round(places * 2 + 0.5).astype(int).T
+    near = [np.abs(picture[v + j, u + i].astype(int) - colour).max(-1) < 40 for i in (-1, 0, 1) for j in (-1, 0, 1)]
+    return float(np.mean(np.any(near, axis=0)))
+
+
+def test_hidden_edges_are_dashed_and_seen_ones_are_whole(towers):
+    picture = _bare(towers)
+    shares = {True: [], False: []}
+    for i, strokes in enumerate(edges_of(towers)[h] for h in ("h1", "h2")):
+        for stroke in strokes:
+            hidden = stroke.self_hidden or "h1" in stroke.hidden_by
+            if shapely.LineString(stroke.points).length > 30:
+                shares[hidden].append(_coloured(picture, stroke, bgr(PALETTE[i])))
+    assert len(shares[True]) >= 5
+    assert len(shares[False]) >= 5
+    assert np.median(shares[False]) > 0.97
+    assert 0.4 < np.median(shares[True]) < 0.8
+
+
+def test_the_legend_tells_of_hidden_edges_where_there_are_any(towers):
+    entries = [np.count_nonzero(_bare(towers, assets=assets)[2 * HEIGHT :] > 100) for assets in (towers["assets"], {})]
+    assert entries[0] > entries[1] + 100
+
+
+def test_hundreds_of_marks_are_pale(towers):
+    at = [40.0, 40.0]
+    sign = towers["appearances"][0] | {"type": "patch", "uv": at}
+    few, many = (
+        _plain(towers, hypotheses=[], appearances=[sign] + [sign | {"uv": [500.0, 400.0]}] * n) for n in (10, BUSY)
+    )
+    x, y = round(2 * at[0] + 0.5) - 4, round(2 * at[1] + 0.5) - 4
+    assert few[y, x].min() > 240
+    assert 205 < many[y, x].min() < 235

@@ -107,7 +107,7 @@ def test_bop_scenes_are_in_millimetres_and_take_their_size_from_the_dataset(tmp_
     assert (camera.width, camera.height) == (640, 480)
     assert camera.world_from_camera[:3, 3].tolist() == [0, 0, -2]
     assert read_camera(intrinsics).K.tolist() == [[1, 0, 3], [0, 2, 4], [0, 0, 1]]
-    with pytest.raises(CameraError, match="has 2 cameras; say which frame: 0, 17"):
+    with pytest.raises(CameraError, match=r"has 2 cameras; say which frame: 0, 17 \(FILE#0\)"):
         read_camera(scene)
     with pytest.raises(CameraError, match="has no frame 3"):
         read_camera(scene, 3)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 from pathlib import Path
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -13,6 +14,7 @@ from made_meshes import write_box
 from benchmarks.tabletop.patterns import pattern
 from cli import cli
 from geometry.camera import centred_camera
+from geometry.field_of_view import fov_across
 from geometry.frames import inverse, look_at, transform_points
 from kb.errors import IntakeError, KBErrors
 from kb.files.read import read_kb
@@ -20,6 +22,9 @@ from kb.learning.again import INSIDE
 from kb.learning.observations import STEEP
 from kb.learning.photo import on_shown, painted, read_points, registered
 from kb.surfaces.surface import surface_from_mesh
+from plogic.face.authoring.kb_learn_photo import _registered
+from plogic.face.shown.options import Photo
+from plogic.run.cameras import GivenCamera
 from sensing.simulated.body import Body, TexturedMesh
 from sensing.simulated.camera import render
 
@@ -224,6 +229,7 @@ def test_a_photo_needs_its_points_and_one_name(folder, tmp_path):
     cases = {
         "--photo needs --points": ("learn", "crate", "--kb", kb, *photo),
         "--points: only with --photo": ("learn", "crate", "--kb", kb, "--points", folder / "points.csv"),
+        "--fov-diagonal: only with --photo": ("learn", "crate", "--kb", kb, "--fov-diagonal", 60),
         "name the one type that it shows": ("learn", "--kb", kb, *photo, "--points", folder / "points.csv"),
         "no such object type; add it with plogic kb add": (
             "learn",
@@ -257,3 +263,11 @@ def test_cookie_box_is_registered():
     share = [(np.abs(middle[:, k] - value) < 1e-6).mean() for k, value in ((0, 0.0), (1, 0.0), (2, faces[2]))]
     assert min(share) > 0.1
     assert sum(share) == pytest.approx(1.0)
+
+
+def test_a_focal_length_that_is_given_is_taken(folder):
+    kind = SimpleNamespace(name="crate", surface=surface_from_mesh(folder / "box.obj"))
+    for given in (GivenCamera(focal=F), GivenCamera(fov=fov_across(SIZE[0], F))):
+        found, _ = _registered(kind, Photo(folder / "photo.png", folder / "points.csv", given))
+        assert (found.camera.f, found.f_error) == (pytest.approx(F), 0)
+        assert found.rms < 1.0

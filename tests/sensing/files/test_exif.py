@@ -2,9 +2,25 @@
 
 from __future__ import annotations
 
+import struct
+
 import numpy as np
 import pytest
-from exif_files import EQUIVALENT, FOCAL, HEIGHT, ORIENTATION, RESOLUTION, UNIT, WIDTH, exif, grey, jpeg, png, webp
+from exif_files import (
+    EQUIVALENT,
+    FOCAL,
+    HEIGHT,
+    ORIENTATION,
+    RESOLUTION,
+    UNIT,
+    WIDTH,
+    exif,
+    grey,
+    jpeg,
+    png,
+    tiff,
+    webp,
+)
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
@@ -24,7 +40,24 @@ def test_it_is_read_of_every_kind_of_picture_and_the_picture_still_is(kind, orde
 
 
 def test_a_tiff_has_the_tags_itself():
-    assert exif_of(exif(TAGS, {ORIENTATION: 6}, ">")) == READ
+    assert exif_of(exif(TAGS, {ORIENTATION: 6}, ">")) == READ._replace(orientation=1)
+
+
+@pytest.mark.parametrize(("orientation", "turned"), [(1, lambda p: p), (2, np.fliplr), (3, lambda p: p[::-1, ::-1])])
+def test_a_tiff_is_turned_as_it_is_read(orientation, turned):
+    half = grey(40, 30)[:, :, 0]
+    half[:10, :20] = 200
+    data = tiff(half, orientation)
+    assert np.array_equal(image_from(data, "a")[:, :, 0], turned(half))
+    assert exif_of(data).orientation == 1
+
+
+def test_a_double_where_the_standard_has_a_ratio_is_read():
+    block = bytearray(exif({FOCAL: (0, 1)}))
+    at = block.index(struct.pack("<HHI", FOCAL, 5, 1))
+    block[at : at + 4] = struct.pack("<HH", FOCAL, 12)
+    block[-8:] = struct.pack("<d", 4.2)
+    assert exif_of(jpeg(grey(8, 6), bytes(block))).focal_mm == 4.2
 
 
 def test_an_orientation_tag_turns_no_pixels():

@@ -1,5 +1,6 @@
 // The document, who watches it, and making elements. Data becomes text nodes and plain attributes, never markup.
-const read = JSON.parse(document.getElementById('data').textContent);
+const block = (id) => JSON.parse((document.getElementById(id) || {}).textContent || '{}');
+const read = block('data');
 const watchers = [];
 const changed = (what) => watchers.forEach((w) => w(what));
 

@@ -46,7 +46,7 @@ function listen(canvas) {
 }
 
 function mount(tryGl) {
-  stage = el('canvas', {tabindex: 0, role: 'img', 'aria-label': view.label});
+  stage = el('canvas', {tabindex: 0, role: 'application', 'aria-label': view.label});
   painter = (tryGl && view.webgl(stage)) || null;
   if (!painter && tryGl) return mount(false);
   painter = painter || view.flat(stage);

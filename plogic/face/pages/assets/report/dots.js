@@ -1,14 +1,15 @@
 // A photo's marks: thousands, so they are dots on one canvas over the picture, by case; pointing finds the nearest.
 const crowded = appearances.length > 500 || hypotheses.some((h) => list(h.features).some((f) => f.stands_for > 1));
-const sheet = el('canvas', {class: 'dots', tabindex: 0, role: 'img', 'aria-label': 'What was expected and detected, as dots. Arrow keys go from dot to dot.'});
-const DOTS = [['A', 'Found', true], ['C', 'Missed', true], ['D', 'Unexpected', true], ['B', 'Hidden', false], ['appearances', 'All that was detected', false],
+const sheet = el('canvas', {class: 'dots', tabindex: 0, role: 'application', 'aria-describedby': 'about', 'aria-label': 'What was expected and detected, as dots. Arrow keys go from dot to dot.'});
+const DOTS = [['A', 'Found', true], ['C', 'Missed', true], ['D', 'Unexpected', true], ['B', 'Rightly unseen', false], ['appearances', 'All that was detected', false],
   ...(sideTypes.size ? [['sides', 'Sides of edges', true]] : [])];
 const NEAR = 9;
 let dots = [], at_dot = -1;
 
 function gatherDots(features) {
   const on = (name) => state.layers.has(name);
-  const seen = on('appearances') ? appearances.map((a) => ({uv: a.uv, letter: '', a, side: sideAngles.has(a.id)})) : [];
+  if (!on('marks')) features = [];
+  const seen = on('marks') && on('appearances') ? appearances.map((a) => ({uv: a.uv, letter: '', a, side: sideAngles.has(a.id)})) : [];
   const rows = features.filter((r) => on(r.letter) && !(r.f.stands_for > 1)).map((r) => ({...r, uv: r.f.uv, side: isSide(r.f)}));
   dots = [...seen, ...['B', 'D', 'C', 'A'].flatMap((letter) => rows.filter((d) => d.letter === letter))].filter((d) => on('sides') || !d.side);
   at_dot = -1;
@@ -67,7 +68,7 @@ function walkDots(event) {
 
 function startDots() {
   if (!crowded) return;
-  state.layers = new Set(['A', 'C', 'D', 'sides', 'outlines', 'labels']);
+  state.layers = new Set(['marks', ...DOTS.filter(([, , shown]) => shown).map(([name]) => name), 'sides', 'outlines', 'unseen', 'labels']);
   at('picture').append(sheet, over);
   sheet.addEventListener('pointermove', pointDot);
   sheet.addEventListener('click', pointDot);

@@ -14,11 +14,13 @@ const label = (id) => { const h = byId.get(id); return h ? String(h.label || h.t
 const called = (id) => `${label(id)} (${id})`;
 const rivals = new Set(facts.filter((f) => f.fact === 'rival').flatMap((f) => [f.args.join('\n'), f.args.slice().reverse().join('\n')]));
 
-const state = {shown: worlds[0], layers: new Set(['appearances', 'expected', 'hidden', 'outlines', 'labels']), chosen: null};
+const state = {shown: worlds[0], layers: new Set(['marks', 'appearances', 'expected', 'hidden', 'outlines', 'unseen', 'labels']), chosen: null};
 
-// The feature in the shown world: {expected, detected, letter, hiders}; letter is null outside the image. What hides it is opaque, and no rival of its host.
+// Whether g hides what is behind it of h in the shown world: it is there, opaque, and no rival.
+const hides = (g, h) => state.shown.present.includes(g) && (byId.get(g) || {}).opaque !== false && !rivals.has(h.id + '\n' + g);
+// The feature in the shown world: {expected, detected, letter, hiders}; letter is null outside the image.
 function caseOf(h, f) {
-  const by = list(f.hidden_by).filter((g) => state.shown.present.includes(g) && (byId.get(g) || {}).opaque !== false && !rivals.has(h.id + '\n' + g));
+  const by = list(f.hidden_by).filter((g) => hides(g, h));
   const expected = Boolean(f.in_image && f.in_lobe && !(f.self_hidden && h.opaque !== false) && !by.length);
   const taken = doc.reconsider === 'reassign' && !expected && f.match && (claimant(f.match) || {h}).h !== h;
   const detected = f.match != null && !taken;

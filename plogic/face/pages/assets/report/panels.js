@@ -32,6 +32,7 @@ function drawCauses() {
   const world = state.shown, causes = appearances.map((a) => claimant(a.id)).filter(Boolean);
   const rows = world.present.map((id) => [who(id), causes.filter((c) => c.h.id === id).length, colour(id)]);
   const explained = causes.length, left = appearances.length - explained;
+  if (world.alone) return put('world', el('p', null, world.title), button('Back to the worlds', () => { show(world.before); (at('world-list').querySelector('[aria-pressed=true]') || at('worlds')).focus(); }, {'data-back': ''}));
   if (!world.causes) return put('world', el('p', null, world.title));
   const stack = el('div', {class: 'stack', 'aria-hidden': 'true'}, [...rows, [null, left, 'transparent']].map(([, n, c]) => {
     const i = el('i');
@@ -48,9 +49,13 @@ const cellSums = (h) => Object.values(h.support || {}).map(numbers).reduce((sum,
 const EVENT = {rank: 'Ranked', accept: 'Accepted', reject: 'Rejected', release: 'Released', reconsider: 'Reconsidered', smooth: 'Smoothed', stable: 'Stable',
   deepen: 'Looked deeper', move: 'Moved', support: 'Supported', deadline: 'Out of time', recall: 'Remembered', search: 'Searched', 'no search': 'No search'};
 function card(h, number) {
-  const look = () => { show({present: [h.id], causes: null, title: `Only ${called(h.id)} is shown, as it was tried.`}); at('view').scrollIntoView({block: 'start'}); };
+  const look = () => {
+    if (state.shown.alone === h.id) return show(state.shown.before);
+    show({present: [h.id], causes: null, alone: h.id, before: state.shown.before || state.shown, title: `Only ${called(h.id)} is shown, as it was tried.${h.status === 'rejected' ? ' It is in no world.' : ''}`});
+    at('view').scrollIntoView({block: 'start'});
+  };
   const [a, c, , d] = cellSums(h), box = el('div', {class: 'why'}, el('p', {class: 'top'}, who(h.id), number), el('p', null, `By itself: of ${plural(a + c, 'expected feature')} ${a} found, ${c} missed${d ? `; ${d} more found that it does not expect` : ''}.`),
-    h.why ? el('p', null, sentence(h.why)) : null, list(h.apart).map((t) => el('p', null, t)), h.status === 'accepted' ? null : button('Show it alone', look, {'data-alone': h.id}));
+    h.why ? el('p', null, sentence(h.why)) : null, list(h.apart).map((t) => el('p', null, t)), h.status === 'accepted' ? null : button('Show it alone', look, {'data-alone': h.id, 'aria-pressed': 'false', 'aria-label': `Show ${called(h.id)} alone`}));
   if (h.status !== 'accepted') for (const [event, id] of [['pointerenter', h.id], ['pointerleave', null], ['focusin', h.id], ['focusout', null]]) box.addEventListener(event, () => hint(id));
   return box;
 }
@@ -74,7 +79,7 @@ function evBar(x) {
 }
 function table(caption, heads, rows, names = 1) {
   const head = heads.map((h, i) => el('th', {scope: 'col', class: i >= names ? 'n' : null}, ...String(h).split('\n').flatMap((t, k) => (k ? [el('br'), t] : [t]))));
-  return el('div', {class: 'scroll', tabindex: 0, role: 'region', 'aria-label': caption}, el('table', null, el('caption', null, caption), el('thead', null, el('tr', null, head)), rows));
+  return el('div', {class: 'scroll', tabindex: 0, role: 'region', 'aria-label': caption}, el('table', null, el('caption', null, tag(null, caption)), el('thead', null, el('tr', null, head)), rows));
 }
 
 const falling = (names, by = {}) => names.sort((a, b) => by[b] - by[a] || (a < b ? -1 : 1));
@@ -114,5 +119,9 @@ function startPanels() {
   drawHypotheses();
   drawMeasures();
   drawTrace();
-  watchers.push((what) => { if (what === 'world') drawWorlds(); });
+  watchers.push((what) => {
+    if (what !== 'world') return;
+    drawWorlds();
+    for (const b of at('rejected').querySelectorAll('[data-alone]')) b.setAttribute('aria-pressed', String(b.dataset.alone === state.shown.alone));
+  });
 }

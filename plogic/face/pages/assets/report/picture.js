@@ -1,7 +1,7 @@
 // The image with its overlay: outlines, appearances, circles and squares. Marks keep their size on the screen.
 const W = doc.camera.width || 640, H = doc.camera.height || 480;
 const IMAGE = address(doc.assets.image);
-const canvasSvg = svg('svg', {viewBox: `-0.5 -0.5 ${W} ${H}`, role: 'group', 'aria-label': 'The image with what was detected and what was expected. Arrow keys go from mark to mark.'});
+const canvasSvg = svg('svg', {viewBox: `-0.5 -0.5 ${W} ${H}`, role: 'application', 'aria-label': 'The image with what was detected and what was expected. Arrow keys go from mark to mark.'});
 // Names stand above the dots of a photo.
 const over = svg('svg', {viewBox: canvasSvg.getAttribute('viewBox'), class: 'over', 'aria-hidden': 'true'});
 let marks = [], focusable = 0;
@@ -33,21 +33,16 @@ function appearanceTell(a) {
 }
 const appearanceMark = (a) => mark(a.uv, [svg('circle', {r: 5, fill: 'transparent'}), ...sign(a.type)], appearanceTell(a), [a.id]);
 
-function outline(h, faint) {
-  const d = list(h.outline).map((ring) => 'M' + ring.map((p) => p.map(Number).join(',')).join('L') + 'Z').join('');
-  const line = (extra) => svg('path', {d, fill: 'none', 'stroke-linejoin': 'round', 'vector-effect': 'non-scaling-stroke', ...extra});
-  return svg('g', {class: 'outline'}, line({stroke: '#14171a', 'stroke-opacity': 0.45, 'stroke-width': 4.5}), line({stroke: colour(h.id), 'stroke-width': 2.2, 'stroke-dasharray': faint ? '5 4' : null}));
-}
-
-// Names go above the outlines, moved down until they are clear of each other.
+// Names go above the outlines, moved until they are clear of each other.
 function names(shown, k) {
   const placed = [];
   return shown.map((h) => {
-    const points = list(h.outline).flat(), text = `${label(h.id)} ${h.id}${crowded && h.status === 'accepted' && h.probability != null ? ' ' + chance(h.probability) : ''}`, half = text.length * 4.3 * k;
+    const points = runs(h).flatMap(ends), after = ` ${h.id}${crowded && h.status === 'accepted' && h.probability != null ? ' ' + chance(h.probability) : ''}`;
+    const room = Math.max(3, Math.floor((W / k - 8) / 8.6) - after.length), name = label(h.id), text = (name.length > room ? name.slice(0, room - 1) + '\u2026' : name) + after, half = text.length * 4.3 * k;
     if (!points.length) return null;
     const us = points.map((p) => p[0]), u = Math.max(half + 4, Math.min(W - half - 4, (Math.min(...us) + Math.max(...us)) / 2));
-    let v = Math.max(16 * k, Math.min(...points.map((p) => p[1])) - 16 * k);
-    while (placed.some((q) => Math.abs(q.u - u) < q.half + half && Math.abs(q.v - v) < 17 * k)) v += (v > 34 * k ? -17 : 40) * k;
+    const first = Math.max(16 * k, Math.min(...points.map((p) => p[1])) - 16 * k), clear = (v) => !placed.some((q) => Math.abs(q.u - u) < q.half + half && Math.abs(q.v - v) < 16.9 * k);
+    const rows = shown.flatMap((_, i) => [first - 17 * i * k, first + 17 * i * k]).filter((v) => v >= 16 * k), v = rows.find(clear) ?? first;
     placed.push({u, v, half});
     return svg('text', {class: 'name', 'text-anchor': 'middle', transform: `translate(${u} ${v}) scale(${k})`}, text);
   });
@@ -59,11 +54,11 @@ function drawPicture() {
   const shown = standing(state.shown), on = (l) => state.layers.has(l);
   marks = [];
   const rows = shown.flatMap((h) => list(h.features).map((f) => ({h, f, ...caseOf(h, f)})));
-  const order = (wanted) => crowded ? [] : rows.filter((r) => r.expected === wanted).map(featureMark);
+  const full = on('marks') && !crowded, order = (wanted) => (full ? rows.filter((r) => r.expected === wanted).map(featureMark) : []);
   fill(canvasSvg,
-    IMAGE ? svg('image', {href: IMAGE, x: -0.5, y: -0.5, width: W, height: H, preserveAspectRatio: 'none'}) : svg('rect', {x: -0.5, y: -0.5, width: W, height: H, fill: '#c9c7c0'}),
-    on('outlines') ? shown.map((h) => outline(h)) : [], svg('g', {id: 'squares'}, order(false)), svg('g', {id: 'circles'}, order(true)),
-    svg('g', {id: 'signs'}, on('appearances') && !crowded ? appearances.map(appearanceMark) : []),
+    IMAGE ? svg('image', {href: IMAGE, x: -0.5, y: -0.5, width: W, height: H, preserveAspectRatio: 'none'}) : svg('rect', {x: -0.5, y: -0.5, width: W, height: H, fill: '#83868a'}),
+    on('unseen') ? shown.map((h) => edgesOf(h, 'unseen')) : [], on('outlines') ? shown.map((h) => edgesOf(h, 'outline')) : [], svg('g', {id: 'squares'}, order(false)), svg('g', {id: 'circles'}, order(true)),
+    svg('g', {id: 'signs'}, full && on('appearances') ? appearances.map(appearanceMark) : []),
     svg('g', {id: 'hint'}), svg('g', {id: 'names'}, on('labels') ? names(shown, pixel()) : []));
   if (crowded) over.replaceChildren(canvasSvg.lastChild);
   focusable = Math.min(focusable, Math.max(0, marks.length - 1));
@@ -77,8 +72,8 @@ function drawPicture() {
 
 // The outline of a hypothesis that is not shown, while a reader points at its row.
 function hint(id) {
-  const h = byId.get(id), layer = canvasSvg.querySelector('#hint');
-  if (layer) fill(layer, h ? [outline(h, true), names([h], pixel())] : []);
+  const h = byId.get(id), layer = canvasSvg.querySelector('#hint'), shown = standing(state.shown);
+  if (layer) fill(layer, h && !shown.includes(h) ? [hinted(h), names([...shown, h], pixel()).slice(-1)] : []);
 }
 
 function resizeMarks() {
@@ -93,16 +88,19 @@ function showChosen() {
   const c = state.chosen, key = c && c.key.join(' ');
   marks.forEach((m) => m.g.classList.toggle('on', m.g.dataset.key === key));
   if (c) put('about', el('b', null, c.tell[0]), ' ', c.tell.slice(1).join(' '));
-  else put('about', tag('id', 'Point at a mark, or walk through them with the arrow keys, to read what it is and why.'));
+  else put('about', state.shown.alone ? state.shown.title + ' ' : null, tag('id', state.layers.has('marks') ? 'Point at a mark, or walk through them with the arrow keys, to read what it is and why.'
+    : `${plural(BUSY, 'mark')} are left out, so that the objects are seen. \u201cMarks\u201d draws them.`));
 }
 
 const CASES = [['A', 1, 1, 'Found', 'expected, detected'], ['B', 0, 0, 'Rightly unseen', 'neither'],
   ['C', 1, 0, 'Missed', 'expected, not detected'], ['D', 0, 1, 'Unexpected', 'detected, not expected']];
+// Of a hypothesis whose features were not kept the counts are those of its trial.
 function countCases(rows) {
+  const [a, c, b, d] = rows.length || !state.shown.alone ? [] : cellSums(byId.get(state.shown.alone)), triedAlone = a == null ? null : {A: a, B: b, C: c, D: d};
   put('cases', CASES.map(([letter, expected, detected, name, means]) => {
-    const mine = rows.filter((r) => r.letter === letter), sides = expected ? mine.filter((r) => isSide(r.f)).length : 0;
+    const mine = rows.filter((r) => r.letter === letter), of = triedAlone ? triedAlone[letter] : mine.reduce((n, r) => n + (r.f.stands_for ?? 1), 0), sides = expected ? mine.filter((r) => isSide(r.f)).length : 0;
     return el('div', {'data-case': letter}, crowded ? dotIcon(letter) : icon(glyph(expected, detected, MUTED)), el('dt', null, tag('id', letter), ' ' + name),
-      el('dd', null, String(mine.reduce((n, r) => n + (r.f.stands_for ?? 1), 0))),
+      el('dd', null, String(of)),
       el('small', null, means, sides ? el('span', {class: 'sides', 'data-sides': letter}, sideIcon(detected ? Math.PI / 2 : null), plural(sides, SIDE, 'sides of edges')) : null));
   }));
 }
@@ -123,15 +121,24 @@ function walk(event) {
 }
 
 const icon = (...parts) => svg('svg', {viewBox: '-10 -10 20 20', width: 20, height: 20, 'aria-hidden': 'true'}, parts);
-const LAYERS = [['appearances', 'Appearances'], ['expected', 'Expected', true], ['hidden', 'Not expected', false], ['outlines', 'Outlines'], ['labels', 'Names']];
-const layer = (name, shown, text) => toggle(name, shown, text, (on) => { state.layers[on ? 'add' : 'delete'](name); changed('layers'); });
+const LAYERS = [['appearances', 'Appearances'], ['expected', 'Expected', true], ['hidden', 'Not expected', false]], PLAIN_LAYERS = [['outlines', 'Edges'], ['unseen', 'Hidden edges'], ['labels', 'Names']];
+const layer = (name, text) => toggle(name, state.layers.has(name), text, (on) => { state.layers[on ? 'add' : 'delete'](name); changed('layers'); });
+// So many marks cover what they are about: they are drawn when asked for.
+const MANY = 200;
+const BUSY = (() => {
+  const rows = standing(worlds[0]).flatMap((h) => list(h.features).map((f) => [f, caseOf(h, f).letter]));
+  const n = crowded ? rows.filter(([f, letter]) => 'ACD'.includes(letter || '-') && !(f.stands_for > 1)).length : appearances.length + rows.filter(([, letter]) => letter).length;
+  return n > MANY ? n : 0;
+})();
 function startPicture() {
   put('picture', canvasSvg);
   startDots();
-  if (crowded) put('layers', [...DOTS.map(([name, text, on]) => layer(name, on, [dotIcon(name), text])), ...LAYERS.slice(3).map(([name, text]) => layer(name, true, [text]))]);
-  else put('layers', LAYERS.map(([name, text, form]) => layer(name, true, [form == null ? null : icon(glyph(form, true, MUTED)), text])));
-  put('signs-key', kinds.map((k) => el('li', null, crowded ? dotIcon(k === SIDE ? 'sides' : 'appearances') : icon(sign(k)), words(k), crowded ? tag('id', ` ${appearances.filter((a) => plain(a.type) === k).length}`) : null)));
+  if (BUSY) state.layers.delete('marks');
+  const kinds = crowded ? DOTS.map(([name, text]) => layer(name, [dotIcon(name), text])) : LAYERS.map(([name, text, form]) => layer(name, [form == null ? null : icon(glyph(form, true, MUTED)), text]));
+  const show = () => kinds.forEach((k) => { k.hidden = !state.layers.has('marks'); });
+  put('layers', BUSY ? layer('marks', ['Marks', tag('id', String(BUSY))]) : null, kinds, PLAIN_LAYERS.map(([name, text]) => layer(name, [text])));
+  show();
   canvasSvg.addEventListener('keydown', walk);
   new ResizeObserver(resizeMarks).observe(canvasSvg);
-  watchers.push((what) => (what === 'chosen' ? showChosen() : drawPicture()));
+  watchers.push((what) => { show(); if (what === 'chosen') showChosen(); else drawPicture(); });
 }

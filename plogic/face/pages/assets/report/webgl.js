@@ -1,5 +1,5 @@
 // Drawing the scene with WebGL: one program for colours, one for the picture in the frustum.
-const PLAIN = ['attribute vec3 p;attribute vec4 c;attribute vec2 k;uniform mat4 m;uniform float s,b;varying vec4 v;varying float w;void main(){gl_Position=m*vec4(p,1.);gl_Position.z-=b*gl_Position.w;gl_PointSize=k.y*s;v=c;w=k.x;}',
+const PLAIN = ['attribute vec3 p;attribute vec4 c;attribute vec2 k;uniform mat4 m;uniform float s,b;varying vec4 v;varying float w;void main(){gl_Position=m*vec4(p,1.);gl_Position.z-=b;gl_PointSize=k.y*s;v=c;w=k.x;}',
   'precision mediump float;varying vec4 v;varying float w;uniform float d;void main(){vec4 o=v;if(d>.5){vec2 q=abs(gl_PointCoord*2.-1.);float r=w<1.5?length(q):max(q.x,q.y)*1.12;if(r>1.)discard;bool ring=mod(w,2.)>.5;if(ring&&r<.52)discard;if(!ring&&r>.78)o=vec4(o.rgb*.35+vec3(.65),1.);}gl_FragColor=vec4(o.rgb*o.a,o.a);}'];
 const PICTURE = ['attribute vec3 p;attribute vec2 t;uniform mat4 m;varying vec2 u;void main(){gl_Position=m*vec4(p,1.);u=t;}',
   'precision mediump float;varying vec2 u;uniform sampler2D x;void main(){gl_FragColor=texture2D(x,u)*.94;}'];
@@ -18,7 +18,8 @@ function webglPainter(canvas) {
   const buffer = gl.createBuffer();
   let texture = null;
   if (IMAGE) load(IMAGE, (image) => { if (!gl.isContextLost()) { texture = textureOf(gl, image); redraw(); } });
-  const draw = (mode, rows, bias, points) => { gl.uniform1f(plain.u('b'), bias); gl.uniform1f(plain.u('d'), points ? 1 : 0); stream(gl, buffer, mode, rows, [3, 4, 2]); };
+  // Lines and points are drawn nearer by a share of their depth, so that their own facets do not cover them.
+  const draw = (mode, rows, nearer, points) => { const [n, f] = reach(); gl.uniform1f(plain.u('b'), nearer * 2 * f * n / (f - n)); gl.uniform1f(plain.u('d'), points ? 1 : 0); stream(gl, buffer, mode, rows, [3, 4, 2]); };
   return (scene, ratio) => {
     const m = clipMatrix(canvas.width / canvas.height), z = eyeAxes().z;
     const faces = (some) => some.flatMap((t) => t.p.flatMap((p) => [...p, ...times(t.c, shade(t.p, z)), t.c[3], 0, 1]));
@@ -33,8 +34,8 @@ function webglPainter(canvas) {
     }
     gl.depthMask(false);
     draw(gl.TRIANGLES, faces(scene.triangles.filter((t) => t.c[3] < 1)), 0, false);
-    draw(gl.LINES, scene.lines.flatMap((l) => [...l.p, ...l.c, 0, 1, ...l.q, ...l.c, 0, 1]), 0.0004, false);
+    draw(gl.LINES, scene.lines.flatMap((l) => [...l.p, ...l.c, 0, 1, ...l.q, ...l.c, 0, 1]), 0.002, false);
     gl.depthMask(true);
-    draw(gl.POINTS, scene.points.flatMap((q) => [...q.p, ...q.c, q.kind, q.size]), 0.0012, true);
+    draw(gl.POINTS, scene.points.flatMap((q) => [...q.p, ...q.c, q.kind, q.size]), 0.006, true);
   };
 }

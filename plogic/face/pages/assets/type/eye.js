@@ -18,7 +18,13 @@ function eyeAxes() {
 // The clip matrix for a canvas of this aspect.
 function clipMatrix(aspect) {
   const d = eye.distance, reach = RADIUS + CUT, lens = 0.8 * eye.zoom * Math.sqrt(d * d - RADIUS * RADIUS) / RADIUS;
-  return clip(eyeAxes(), aspect > 1 ? [lens / aspect, lens] : [lens, lens * aspect], Math.max(d - reach, 0.02 * d), d + reach);
+  const through = (lens) => clip(eyeAxes(), aspect > 1 ? [lens / aspect, lens] : [lens, lens * aspect], Math.max(d - reach, 0.02 * d), d + reach);
+  return through(lens * (eye.zoom > 1 ? 1 : Math.min(1, 0.97 / widest(through(lens)))));
+}
+// How far from the middle of a canvas of which the edge is at 1 the lobes of the feature that is kept reach.
+function widest(m) {
+  const f = state.pinned, ends = f < 0 ? [] : lobesShown(f).flatMap((l) => { const on = lobeSurface(l), far = lobeSpan(l)[1]; return [...Array(ROUND / 4).keys()].map((i) => on(far, lobe.half[l], 4 * i)).concat([on(far, 0, 0)]); });
+  return ends.map((p) => project(m, p, 2, 2)).reduce((most, s) => (s ? Math.max(most, Math.abs(s[0] - 1), Math.abs(s[1] - 1)) : most), 0);
 }
 
 // Whether the surface hides a point from the eye: a ray against every triangle.

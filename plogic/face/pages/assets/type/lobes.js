@@ -5,10 +5,13 @@ function lobeSpan(l) {
   return [Math.min(lobe.near[l], 0.3 * far), far];
 }
 
+// The place at distance r from its feature, so far off its axis, and i of ROUND parts around it.
+function lobeSurface(l) {
+  const p = three(feature.at, lobe.feature[l]), a = three(lobe.axis, l), u = unit(cross(a, Math.abs(a[2]) < 0.9 ? [0, 0, 1] : [1, 0, 0])), v = cross(a, u);
+  return (r, angle, i) => add(p, add(times(a, r * Math.cos(angle)), times(add(times(u, Math.cos(2 * Math.PI * i / ROUND)), times(v, Math.sin(2 * Math.PI * i / ROUND))), r * Math.sin(angle))));
+}
 function lobeShape(l, c, strong, dense, scene) {
-  const p = three(feature.at, lobe.feature[l]), a = three(lobe.axis, l), h = lobe.half[l], [near, far] = lobeSpan(l);
-  const u = unit(cross(a, Math.abs(a[2]) < 0.9 ? [0, 0, 1] : [1, 0, 0])), v = cross(a, u);
-  const on = (r, angle, i) => add(p, add(times(a, r * Math.cos(angle)), times(add(times(u, Math.cos(2 * Math.PI * i / ROUND)), times(v, Math.sin(2 * Math.PI * i / ROUND))), r * Math.sin(angle))));
+  const p = three(feature.at, lobe.feature[l]), a = three(lobe.axis, l), h = lobe.half[l], [near, far] = lobeSpan(l), on = lobeSurface(l);
   const fill = [...c, (strong ? 0.24 : 0.08) / dense ** 1.5], edge = [...c, strong ? 0.95 : 0.5], rings = Math.max(2, Math.ceil(h / 0.4));
   const quad = (s, q, t, w) => scene.triangles.push({p: [s, q, t], c: fill}, {p: [s, t, w], c: fill});
   const line = (s, q) => scene.lines.push({p: s, q, c: edge});
@@ -24,12 +27,13 @@ function lobeShape(l, c, strong, dense, scene) {
   line(p, add(p, times(a, far)));
 }
 
+const lobesShown = (f) => [...Array(first[f + 1] - first[f]).keys()].map((i) => first[f] + i).filter((l) => state.alone < 0 || state.alone === l);
 // The lobes of the shown feature: the one that is alone, or all of them, those that hold the viewpoint strongest. Many are fainter, and only those are filled.
 function lobeScene() {
   const scene = {triangles: [], lines: []}, f = shown();
   if (f < 0) return scene;
   const v = viewpoint(), many = first[f + 1] - first[f], dense = state.alone < 0 ? Math.max(1, many / 4) : 1;
-  for (let l = first[f]; l < first[f + 1]; l++) if (state.alone < 0 || state.alone === l) lobeShape(l, lobeColour(l), many < 2 || state.alone === l || holds(l, v), dense, scene);
+  for (const l of lobesShown(f)) lobeShape(l, lobeColour(l), many < 2 || state.alone === l || holds(l, v), dense, scene);
   return scene;
 }
 const lobeColour = (l) => { const f = lobe.feature[l], looks = [...new Set(lobe.look.subarray(first[f], first[f + 1]))]; return rgb(PALETTE[looks.indexOf(lobe.look[l]) % PALETTE.length]); };

@@ -43,6 +43,7 @@ function drawLegend() {
   for (let i = 0; i < 256; i++) { g.fillStyle = css(ramp(i / 255)); g.fillRect(i, 0, 1, 1); }
   const ends = RARE > COMMON ? [`${COMMON.toFixed(DIGITS)} common`, `${RARE.toFixed(DIGITS)} rare`] : ['', `${RARE.toFixed(DIGITS)}, of every type here`];
   put('legend', tag(null, 'Colour: dv'), strip, tag('ends', ends.map((e) => tag(null, e))),
+    ...[['Grey point', 'not lit: of another part or type, or not seen from here'], ['Ringed point', 'the feature that is shown'], ['Cone', 'a lobe, from where that feature is seen: coloured as what it looks like is in the list of its lobes, strong where it holds the viewpoint']].flatMap((row) => row.map((text) => tag(null, text))),
     ...(SIDES ? [tag(null, 'T-shaped mark'), tag(null, 'the side of an edge: a stroke along the edge, a tick towards the side')] : []));
 }
 

@@ -8,7 +8,7 @@ from typing import Any
 import cv2
 import numpy as np
 
-KB = Path(__file__).with_name("kb")
+KB = Path(__file__).parents[1] / "run" / "batch" / "kb"
 """A knowledge base that is quickly made ready."""
 CAMERA = {"width": 64, "height": 48, "K": [[60, 0, 32], [0, 60, 24], [0, 0, 1]], "dist": []}
 NAMES = ["alone.png", "bad.json", "g0.json", "g1.json", "g2.json", "g3.json", "shot/image.png", "torn/image.png"]

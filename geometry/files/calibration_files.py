@@ -1,0 +1,219 @@
+"""Calibrations in YAML: of ROS, as a file or as a topic that was echoed, and of OpenCV's FileStorage.
+
+| text | told by |
+|---|---|
+| ROS `camera_info` YAML | `image_width` or `width`, `camera_matrix` |
+| `ros2 topic echo`, `rostopic echo` of a CameraInfo | `k` or `K`; messages between lines `---`, which must agree |
+| OpenCV FileStorage YAML | `!!opencv-matrix`, the same keys; `%YAML:1.0` |
+
+K and D are those of the raw picture. Of an echoed message the binning and the region of interest are applied, so that
+the camera is that of the pictures that the driver sends.
+
+YAML is read safely: plain data and OpenCV's matrices, no other tag, no duplicate key, no YAML bomb.
+"""
+
+import re
+from collections.abc import Iterator, Mapping
+from typing import Any
+
+from ruamel.yaml import YAML
+from ruamel.yaml.composer import MaxDepthExceededError
+from ruamel.yaml.constructor import SafeConstructor
+from ruamel.yaml.error import MarkedYAMLError, YAMLError
+
+from geometry.errors import CameraError
+
+MAX_DEPTH = 20
+"""Levels of nesting: a calibration has four."""
+MAX_CHARS = 2**20  # a calibration is some hundreds
+
+Size = tuple[int, int] | None  # width, height px, where the file states none
+
+_MATRIX_KEYS = ("camera_matrix", "cameraMatrix", "Camera_Matrix", "intrinsic_matrix", "K", "k")
+_LENS_KEYS = (
+    "distortion_coefficients",
+    "dist_coeffs",
+    "distCoeffs",
+    "Distortion_Coefficients",
+    "distortion_coeffs",
+    "dist",
+    "D",
+    "d",
+)
+_LENSES = ("plumb_bob", "rational_polynomial", "none", "")  # ROS names of the lens models that we have
+_ARRAY = re.compile(r"array\((?:'[a-z]', *)?\[(.*)\]\)", re.DOTALL)  # Python's, as early ROS 2 prints it
+CUT = "..."
+"""What stands in an echoed message for what was left out."""
+MOST_MESSAGES = 8
+"""Messages that differ, of which it is looked at whether their cameras do."""
+
+
+def calibration(text: str, size: Size) -> dict[str, Any]:
+    """The contract's `camera` key of a calibration, or of a topic's messages where they agree. Raises CameraError."""
+    first, *others = list(_messages(text)) or [""]
+    content = read_yaml(first)
+    if not isinstance(content, Mapping):
+        raise CameraError(f"must be a camera in JSON, YAML or COLMAP's text, not {type(content).__name__}")
+    camera = from_calibration(content, size)
+    for number, other in enumerate(others[:MOST_MESSAGES], 2):
+        if from_calibration(_mapping(other), size) != camera:
+            raise CameraError(
+                f"holds messages of different cameras: keep one (the first, and number {number} of those)"
+            )
+    return camera
+
+
+def _messages(text: str) -> Iterator[str]:
+    """The documents of a text that differ in more than their header, each at its own lines.
+
+    The last, which Ctrl-C may have cut off, is left out where it is the beginning of the first.
+    """
+    lines, start = text.splitlines(keepends=True), 0
+    ends = [n for n, line in enumerate(lines) if line.rstrip() == "---"]
+    seen: list[str] = []
+    for end in (*ends, len(lines)):
+        own, before = lines[start:end], start
+        start = end + 1
+        body = _without_header(own).strip()
+        if body and not any(other == body or (end == len(lines) and other.startswith(body)) for other in seen):
+            seen = [*seen, body][: MOST_MESSAGES + 1]
+            yield "\n" * before + "".join(own)
+
+
+def _without_header(lines: list[str]) -> str:
+    """The lines that say what a message is, without comments and directives, and the time in its header."""
+    inside, kept = False, []
+    for line in lines:
+        inside = line.startswith("header:") or (inside and line[:1] in (" ", "\t"))
+        if not inside and not line.startswith(("#", "%")):
+            kept.append(line)
+    return "".join(kept)
+
+
+def _mapping(text: str) -> Mapping[Any, Any]:
+    content = read_yaml(text)
+    return content if isinstance(content, Mapping) else {}
+
+
+def from_calibration(content: Mapping[Any, Any], size: Size) -> dict[str, Any]:
+    """A ROS `camera_info` or an OpenCV FileStorage calibration."""
+    model = content.get("distortion_model", "")
+    if model not in _LENSES:
+        what = f"distortion_model: must be plumb_bob or rational_polynomial, not {model!r:.40}"
+        raise CameraError(f"{what}: rectify the pictures, and give the camera of the rectified ones")
+    K = flat(_first(content, _MATRIX_KEYS, "camera_matrix"), "camera_matrix")
+    if len(K) != 9:
+        raise CameraError(f"camera_matrix: must hold 9 numbers, not {len(K)}")
+    lens: object = next((content[key] for key in _LENS_KEYS if key in content), [])
+    if not any(K):
+        raise CameraError("camera_matrix: is all zeros, as a driver says that has no calibration")
+    width, height = size_of(content, size)
+    camera = {
+        "width": width,
+        "height": height,
+        "K": [K[:3], K[3:6], K[6:]],
+        "dist": flat(lens, "distortion_coefficients"),
+    }
+    return _sent(camera, content)
+
+
+def _sent(camera: dict[str, Any], content: Mapping[Any, Any]) -> dict[str, Any]:
+    """The camera of the pictures that a driver sends: the region of interest, its pixels joined (binning)."""
+    roi = content.get("roi")
+    roi = roi if isinstance(roi, Mapping) else {}
+    whole = {"width": camera["width"], "height": camera["height"]}
+    left, above, width, height = (_count(roi, key) for key in ("x_offset", "y_offset", "width", "height"))
+    across, down = (max(_count(content, key), 1) for key in ("binning_x", "binning_y"))
+    if (left, above, width or whole["width"], height or whole["height"], across, down) == (0, 0, *whole.values(), 1, 1):
+        return camera
+    (fx, skew, cx), (_, fy, cy), last = camera["K"]
+    try:
+        first = [fx / across, skew / across, (cx - left + 0.5) / across - 0.5]
+        second = [0, fy / down, (cy - above + 0.5) / down - 0.5]
+        size = {"width": (width or whole["width"]) // across, "height": (height or whole["height"]) // down}
+    except TypeError:
+        raise CameraError("camera_matrix, width and height: must be numbers") from None
+    return {**camera, **size, "K": [first, second, last]}
+
+
+def _count(content: Mapping[Any, Any], key: str) -> int:
+    value = content.get(key, 0)
+    if isinstance(value, bool) or not isinstance(value, int) or value < 0:
+        raise CameraError(f"{key}: must be a whole number from 0, not {value!r:.40}")
+    return value
+
+
+def size_of(content: Mapping[Any, Any], size: Size) -> tuple[Any, Any]:
+    """Width and height as they are stated; `size` where they are not. Raises CameraError where that is None."""
+    for wide, high in (("image_width", "image_height"), ("width", "height"), ("image_Width", "image_Height")):
+        if wide in content and high in content:
+            return content[wide], content[high]
+    if size is None:
+        raise CameraError("states no width and height; give the image's size")
+    return size
+
+
+def _first(content: Mapping[Any, Any], keys: tuple[str, ...], name: str) -> object:
+    for key in keys:
+        if key in content:
+            return content[key]
+    raise CameraError(f"{name}: is missing, and so is {', '.join(keys[1:])}")
+
+
+def flat(value: object, where: str) -> list[Any]:
+    """The numbers of a matrix, written as {rows, cols, data}, as rows, as one list, or as Python's array."""
+    data = value.get("data") if isinstance(value, Mapping) else value
+    if isinstance(data, str) and (array := _ARRAY.fullmatch(data.strip())):
+        data = [_number(word.strip()) for word in array[1].split(",") if word.strip()]
+    if not isinstance(data, list):
+        raise CameraError(f"{where}: must be a list of numbers or a matrix with data, not {value!r:.80}")
+    numbers = [number for row in data for number in (row if isinstance(row, list) else [row])]
+    if CUT in numbers:
+        raise CameraError(f"{where}: is cut off ('...'): print it whole, ros2 topic echo --full-length")
+    return numbers
+
+
+def _number(word: str) -> float | str:
+    try:
+        return float(word)
+    except ValueError:
+        return word
+
+
+class _Constructor(SafeConstructor):
+    """Plain YAML, and `!!opencv-matrix` as the mapping that it is."""
+
+    def opencv_matrix(self, node: Any) -> dict[Any, Any]:  # noqa: ANN401 - ruamel's nodes have no common type
+        return dict(self.construct_mapping(node, deep=True))
+
+
+_Constructor.add_constructor("tag:yaml.org,2002:opencv-matrix", _Constructor.opencv_matrix)
+
+
+def read_yaml(text: str) -> object:
+    """The data in `text`: mappings, lists, texts, numbers.
+
+    Raises:
+        CameraError: with the line where it can, for anything else.
+    """
+    if len(text) > MAX_CHARS:
+        raise CameraError(f"must be a calibration of at most {MAX_CHARS} characters, not {len(text)}")
+    loader = YAML(typ="safe", pure=True)
+    loader.Constructor, loader.max_depth = _Constructor, MAX_DEPTH
+    try:
+        return loader.load(_without_directive(text))
+    except MarkedYAMLError as error:
+        mark = error.problem_mark or error.context_mark
+        deep = isinstance(error, MaxDepthExceededError)
+        why = (
+            f"nested deeper than {MAX_DEPTH} levels" if deep else " ".join(str(error.problem or error.context).split())
+        )
+        raise CameraError(f"is not plain YAML: {why}", line=None if mark is None else mark.line + 1) from error
+    except (YAMLError, ValueError, RecursionError, TypeError) as error:
+        why = " ".join(str(error).split())[:120]
+        raise CameraError(f"is not plain YAML: {why}") from error
+
+
+def _without_directive(text: str) -> str:
+    """`text` with OpenCV's `%YAML:1.0`, which is no YAML, made a comment: lines keep their numbers."""
+    return f"#{text}" if text.startswith("%YAML:") else text

@@ -1,0 +1,15 @@
+// What the lines, colours and signs of the picture mean: those that it has as it is shown.
+const sample = (how, inner) => svg('svg', {viewBox: '0 -5 26 10', width: 26, height: 10, 'aria-hidden': 'true'}, line('M1 0H25', MUTED, inner, how)[1]);
+function drawKey() {
+  const on = (l) => state.layers.has(l), shown = standing(state.shown), some = (how) => shown.some((h) => runs(h).some((run) => unseen(h, run) === (how === 'unseen')));
+  const entry = (sign, ...text) => el('li', null, sign, ...text), signs = on('marks') && (on('appearances') || crowded);
+  put('signs-key', shown.map((h) => entry(swatch(colour(h.id)), `${label(h.id)} ${h.id}`)),
+    on('outlines') && some('seen') ? entry(sample('seen'), 'edge') : null,
+    on('unseen') && some('unseen') ? entry(sample('unseen'), 'edge hidden behind another object, or by its own') : null,
+    hypotheses.some((h) => h.status !== 'accepted') ? entry(sample('hint'), 'not accepted, pointed at in the list') : null,
+    on('marks') ? entry(icon(svg('circle', {r: 8, fill: 'none', stroke: 'currentColor', 'stroke-width': 2})), 'chosen mark') : null,
+    signs ? kinds.map((k) => entry(crowded ? dotIcon(k === SIDE ? 'sides' : 'appearances') : icon(sign(k)[1]), words(k), crowded ? tag('id', ` ${appearances.filter((a) => plain(a.type) === k).length}`) : null)) : null);
+}
+function startKey() {
+  watchers.push((what) => { if (what !== 'chosen') drawKey(); });
+}
