@@ -9,7 +9,7 @@ import click
 
 from plogic.face.shown.options import AS_JSON, SEED, Number, emit, say
 
-SIZED = "places", "sizes", "scale", "panorama", "stereo", "constancy", "look-again", "occlusion", "attention"
+SIZED = "watch", "places", "sizes", "scale", "panorama", "stereo", "constancy", "look-again", "occlusion", "attention"
 COMPARED = "towers", "worlds", "programs", "recognition", "box", "clutter", "many", "calibration", "batch", "start"
 BENCHES = *COMPARED, *SIZED
 

@@ -117,6 +117,7 @@ def batch(inputs: tuple[str, ...], kb_folder: str, **options: Any) -> None:  # n
 @camera_options("A stream tells none: one of these is needed.")
 @click.option("--every", type=click.IntRange(1), default=1, show_default=True, help="Take each so many-th frame.")
 @click.option("--limit", type=click.IntRange(1), metavar="FRAMES", help="Stop after so many.")
+@click.option("--jobs", type=click.IntRange(1, 256), help="Frames that are interpreted at once (default: one a core).")
 @click.option("--newest", is_flag=True, help="Of a stream too, skip to the newest frame when frames come too fast.")
 @click.option("--short", is_flag=True, help="Short lines, as `batch` writes them, in place of whole interpretations.")
 @click.option("--picture", type=click.Path(path_type=Path), help="Write the newest frame's picture there (PNG).")

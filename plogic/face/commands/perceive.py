@@ -18,6 +18,7 @@ from numpy.typing import NDArray
 
 from geometry.camera import Camera
 from geometry.errors import PlogicError
+from geometry.files.plain_files import name_of
 from geometry.files.pose_files import Placed, read_poses
 from kb.clouds.cloud import KnowledgeBase
 from plogic.base.clock import Stopwatch
@@ -73,6 +74,8 @@ def _of_one(source: str, options: Perceiving, say: Say, write: Say) -> int:
     with clock.stage("read"):
         kb = kb_of(options.kb)
         shot = None if is_gamma(source) else shot_of(source, options.camera)
+    if shot is None and options.camera.named:
+        say(f"{name_of(source)}: a Γ has a camera of its own: {options.camera.named[0]} is not used")
     for note in shot.notes if shot else ():
         say(f"{source}: {note}")
     gamma, image = gamma_of(source, shot, kb, clock)
@@ -96,6 +99,8 @@ def _of_pair(inputs: Sequence[str], options: Perceiving, stereo: str, say: Say, 
 
     if len(inputs) != 2 or options.poses:
         raise InputError("--stereo: takes two INPUTs, the left and the right one, and no --poses")
+    if options.camera.named:
+        raise InputError(f"{options.camera.named[0]}: --stereo tells both cameras; leave one of the two out")
     if any(map(is_video, inputs)):
         raise InputError("--stereo: takes pictures or Γ, and no video")
     check_places(_places(options))

@@ -12,6 +12,8 @@ from geometry.errors import CameraError
 from geometry.files.plain_files import name_of
 from plogic.base.children import ending_well
 from plogic.base.errors import InputError
+from plogic.base.jobs import processors
+from plogic.base.stream_jobs import InTurn
 from plogic.face.commands.perceive import picture_of
 from plogic.face.shown.options import Watching, say
 from plogic.face.shown.progress import Progress
@@ -20,7 +22,6 @@ from plogic.run.batch.frames import Settings
 from plogic.run.batch.log import Log
 from plogic.run.cameras import GivenCamera, read_given
 from plogic.run.silence.beforehand import beforehand
-from plogic.run.video.video import frame_name
 from plogic.run.watch.moments import Moment, device_number, moments_of
 from plogic.run.watch.watcher import Seen, Watcher
 from sensing.files.whole_files import check_places, write_whole
@@ -36,30 +37,41 @@ def watch_command(source: str, settings: Settings, options: Watching) -> int:
         PlogicError: What is wrong with KB, camera or source; the lines of the frames before it are written.
     """
     check_places([] if options.picture is None else [options.picture])
-    watcher = Watcher(settings, source, short=options.short)
+    drawn = options.picture is not None or options.pictures is not None
+    jobs = min(options.jobs or processors(), options.limit or sys.maxsize)
+    watcher = Watcher(
+        settings,
+        source,
+        short=options.short,
+        draw=picture_of if drawn else None,
+        processes=1 if jobs > 1 else None,
+    )
     for line in beforehand(watcher.perceiver.kb, settings.kb):
         say(line)
     _make(options.pictures)
-    out, told = Log("standard output", sys.stdout.buffer), Told()
+    with ending_well(), closing(Told(source)) as told, InTurn(watcher, jobs) as work:
+        return _watched(work, watcher, settings, options, told)
+
+
+def _watched(work: InTurn[Moment, Seen], watcher: Watcher, settings: Settings, options: Watching, told: "Told") -> int:
+    """Write a line a frame; the exit status."""
+    source, out = watcher.source, Log("standard output", sys.stdout.buffer)
     size = None if device_number(source) is None else _size(settings.camera)
-    with ending_well(), closing(told), moments_of(source, options.every, size, newest=options.newest) as moments:
-        try:
-            for moment in islice(moments, options.limit):
-                begun, name = monotonic(), frame_name(_stem(source), moment.number)
-                seen = watcher(moment, name)
-                for note in () if told.frames else watcher.notes:
-                    told.say(f"{name_of(source)}: {note}")
-                _draw(seen, moment, name, options)
-                told.frame(moment, seen, name, monotonic() - begun)
+    try:
+        with moments_of(source, options.every, size, newest=options.newest) as moments:
+            for moment, seen in work.of(islice(moments, options.limit)):
+                name = watcher.name(moment)
+                _write_picture(seen, name, options)
+                told.frame(moment, seen, name)
                 out.write(seen.line)
-        except BrokenPipeError:  # who reads has enough
-            os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
-            return told.status
-        except (KeyboardInterrupt, SystemExit) as end:
-            told.say(f"stopped: {told.summary()}")
-            if isinstance(end, SystemExit):
-                raise
-            return BAD
+    except BrokenPipeError:  # who reads has enough
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        return told.status
+    except (KeyboardInterrupt, SystemExit) as end:
+        told.say(f"stopped: {told.summary()}")
+        if isinstance(end, SystemExit):
+            raise
+        return BAD
     if not told.frames:
         raise InputError(f"{name_of(source)}: has no frame")
     told.say(told.summary())
@@ -75,16 +87,6 @@ def _size(given: GivenCamera) -> tuple[int, int] | None:
     return None
 
 
-def _stem(source: str) -> str:
-    """What the names of frames begin with: ``clip``, ``stdin``, ``camera0``."""
-    number = device_number(source)
-    return f"camera{number}" if number is not None else "stdin" if source == "-" else source
-
-
-def _in(folder: Path | None, name: str) -> Path | None:
-    return None if folder is None else folder / name
-
-
 def _make(folder: Path | None) -> None:
     """Make the folder of pictures, if it is not there. Raises InputError."""
     try:
@@ -94,45 +96,42 @@ def _make(folder: Path | None) -> None:
         raise InputError(f"{folder}: cannot be made: {error.strerror}") from None
 
 
-def _draw(seen: Seen, moment: Moment, name: str, options: Watching) -> None:
-    """Write the picture of a frame wherever one is wanted; of a bad frame there is none."""
-    places = [place for place in (options.picture, _in(options.pictures, f"{name}.png")) if place is not None]
-    if seen.document is None or not places:
-        return
-    picture = picture_of(seen.document, moment.pixels)
-    for place in places:
-        write_whole(place, picture)
+def _write_picture(seen: Seen, name: str, options: Watching) -> None:
+    """Write the picture of a frame wherever it is wanted; of a bad frame there is none."""
+    in_folder = None if options.pictures is None else options.pictures / f"{name}.png"
+    for place in (options.picture, in_folder):
+        if place is not None and seen.picture is not None:
+            write_whole(place, seen.picture)
 
 
 class Told:
     """What people are told meanwhile, and at the end."""
 
-    def __init__(self) -> None:
-        """The clock runs from the first frame on."""
+    def __init__(self, source: str) -> None:
         self.frames = self._skipped = self._bad = self._unfinished = 0
+        self._source, self._progress = source, Progress()
         self._seconds: list[float] = []
-        self._start, self._progress = monotonic(), Progress()
+        self._start = 0.0
 
     @property
     def status(self) -> int:
         """The exit status."""
         return BAD if self._bad else LATE if self._unfinished else 0
 
-    def frame(self, moment: Moment, seen: Seen, name: str, seconds: float) -> None:
-        """One frame more was interpreted in so many seconds."""
+    def frame(self, moment: Moment, seen: Seen, name: str) -> None:
+        """One frame more was interpreted."""
         if not self.frames:
-            self._start = monotonic() - seconds
+            self._start = monotonic() - seen.seconds
+            for note in seen.notes:
+                self.say(f"{name_of(self._source)}: {note}")
         self.frames += 1
         self._skipped += moment.skipped
         self._bad += seen.status == ERROR
         self._unfinished += seen.status == UNFINISHED
-        self._seconds.append(seconds)
+        self._seconds.append(seen.seconds)
         if seen.status == ERROR:
-            first = seen.error.splitlines()[0]
-            self.say(first if name in first else f"{name}: {first}")
-        hypotheses = seen.document["hypotheses"] if seen.document is not None else []
-        known = [f"{h['id']} {h['type']} ({h['probability']:.3f})" for h in hypotheses if h["status"] == "accepted"]
-        self._progress.at(f"{name}: {', '.join(known) or 'no known object'}; {self.summary()}")
+            self.say(f"{name}: {seen.error.splitlines()[0]}")
+        self._progress.at(f"{name}: {', '.join(seen.known) or 'no known object'}; {self.summary()}")
 
     def say(self, line: str) -> None:
         """A line that stays."""
@@ -145,12 +144,9 @@ class Told:
 
     def summary(self) -> str:
         """``57 frames, 3 skipped, 1 bad; 0.43 s a frame (median), 2.3 frames a second``."""
-        counts = [f"{self.frames} frame{'s' * (self.frames != 1)}"]
-        counts += [f"{n} {what}" for n, what in self._counts() if n]
+        counts = ((self._skipped, "skipped"), (self._bad, "bad"), (self._unfinished, "unfinished"))
+        told = [f"{self.frames} frame{'s' * (self.frames != 1)}", *(f"{n} {what}" for n, what in counts if n)]
         if not self.frames:
-            return counts[0]
+            return told[0]
         speed = self.frames / max(monotonic() - self._start, 1e-9)
-        return f"{', '.join(counts)}; {median(self._seconds):.2f} s a frame (median), {speed:.1f} frames a second"
-
-    def _counts(self) -> list[tuple[int, str]]:
-        return [(self._skipped, "skipped"), (self._bad, "bad"), (self._unfinished, "unfinished")]
+        return f"{', '.join(told)}; {median(self._seconds):.2f} s a frame (median), {speed:.1f} frames a second"

@@ -3,7 +3,8 @@
 ``edges_of(document)`` gives the ``Stroke``s of each hypothesis, such as ``Stroke([[3.0, 4.0], [9.5, 4.0]], inner=False,
 self_hidden=False, hidden_by=("h1",))``. A stroke is hidden as a feature is: by its own object, or by another that
 stands before it, which is Behind (D13) with the rays of ``geometry.visibility`` on the meshes that the document
-carries. Which of the others are present is for the reader to say, for it differs from world to world.
+carries; rivals are in no world together. Which of the others are present is for the reader to say, for it differs from
+world to world.
 
 An outline's depth is that of its object's surface just inside of it. Creases are drawn of a mesh that has few; of a
 smooth or a scanned one the outline is all. Of a type without a mesh nothing is known to be hidden, and of a rejected
@@ -24,7 +25,7 @@ from geometry.errors import GeometryError
 from geometry.frames import inverse, rotate, transform_points
 from geometry.visibility.outline import image_area
 from geometry.visibility.rays import RayMesh, behind
-from plogic.facts.document import HypothesisRow, Interpretation, MeshRow, RejectedRow
+from plogic.facts.document import HypothesisRow, Interpretation, RejectedRow
 
 STEP = 3.0
 """Pixels between two places of an edge that are looked at."""
@@ -42,6 +43,10 @@ LARGEST = 1e5
 """Pixels from the image's corner, where what reaches farther is taken to end."""
 _EXACT = 0.15
 """Pixels by which a stroke may leave out places on its way."""
+
+
+NONE = np.zeros((0, 2, 3))
+"""No creases."""
 
 
 class Stroke(NamedTuple):
@@ -75,11 +80,18 @@ def edges_of(document: Interpretation) -> dict[str, list[Stroke]]:
     rows = [h for h in document.get("hypotheses", []) if _rings(h)]
     meshes = _meshes(document, {h["type"] for h in rows})
     lines = {h["id"]: [*_outline(h, meshes.get(h["type"]), camera)] for h in rows}
+    inner = {name: creases(np.asarray(mesh.vertices), mesh.triangles) for name, mesh in meshes.items()}
     for h in rows:
-        if h["type"] in meshes:
-            lines[h["id"]] += _creases(h, meshes[h["type"]], document["assets"]["meshes"][h["type"]], camera)
+        if len(inner.get(h["type"], ())) <= MOST_CREASES:
+            lines[h["id"]] += _creases(h, inner.get(h["type"], NONE), camera)
     able = [h for h in rows if h["status"] != "rejected" and h.get("opaque", True) and h["type"] in meshes]
-    return {h["id"]: _strokes(h, lines[h["id"]], able[:MOST_HIDING], meshes) for h in rows}
+    apart = {frozenset(fact["args"]) for fact in document.get("facts", []) if fact["fact"] == "rival"}
+    found = {}
+    for h in rows:
+        others = [g for g in able[:MOST_HIDING] if g["id"] != h["id"] and {g["id"], h["id"]} not in apart]
+        beside = [g for g in others if h["status"] != "rejected" and _near(g, h)]
+        found[h["id"]] = _strokes(h, lines[h["id"]], beside, meshes)
+    return found
 
 
 def _meshes(document: Interpretation, names: set[str]) -> dict[str, RayMesh]:
@@ -134,11 +146,10 @@ def _at_depth(uv: Floats, h: Row, mesh: RayMesh | None, camera: Camera) -> Float
     return np.asarray(camera.rays(uv) * np.interp(np.arange(len(uv)), hit, depth[hit])[:, None])
 
 
-def _creases(h: Row, mesh: RayMesh, row: MeshRow, camera: Camera) -> Iterator[_Line]:
-    """The edges inside of the outline where two facets meet at an angle, as far as they are in the image."""
-    ends = creases(np.asarray(row["vertices"], dtype=float), mesh.triangles)
+def _creases(h: Row, ends: Floats, camera: Camera) -> Iterator[_Line]:
+    """Of the creases (E, 2, 3) of its surface what is inside of the outline and in the image."""
     rings = shapely.MultiLineString(_rings(h))
-    for start, end in transform_points(_pose(h), ends) if len(ends) <= MOST_CREASES else []:
+    for start, end in transform_points(_pose(h), ends):
         if min(start[2], end[2]) <= 0:
             continue
         span = camera.project(np.stack([start, end]))
@@ -169,16 +180,15 @@ def creases(vertices: Floats, triangles: NDArray[Any]) -> Floats:
     order = np.lexsort(around.T[::-1])
     around, owner = around[order], np.tile(np.arange(len(facets)), 3)[order]
     first = np.flatnonzero(np.r_[True, (np.diff(around, axis=0) != 0).any(axis=1)])
-    kept = []
-    for low, high in pairwise([*first, len(around)]):
-        mine = normals[owner[low:high]]
-        if high - low == 1 or (mine @ mine[0] < FLAT).any():
-            kept.append(places[around[low]])
-    return np.array(kept).reshape(-1, 2, 3)
+    count = np.diff(np.r_[first, len(around)])
+    leader = np.repeat(owner[first], count)
+    steep = np.einsum("ij,ij->i", normals[owner], normals[leader]) < FLAT
+    kept = (count == 1) | np.logical_or.reduceat(steep, first)
+    return np.asarray(places[around[first[kept]]])
 
 
-def _strokes(h: Row, lines: Sequence[_Line], able: Sequence[Row], meshes: Mapping[str, RayMesh]) -> list[Stroke]:
-    """The lines, cut where what hides them changes; ``able`` to hide are others."""
+def _strokes(h: Row, lines: Sequence[_Line], beside: Sequence[Row], meshes: Mapping[str, RayMesh]) -> list[Stroke]:
+    """The lines, cut where what hides them changes; those ``beside`` may hide them."""
     if not lines:
         return []
     points = np.concatenate([line.points for line in lines])
@@ -187,8 +197,7 @@ def _strokes(h: Row, lines: Sequence[_Line], able: Sequence[Row], meshes: Mappin
         own &= behind(points, meshes[h["type"]], _pose(h))
     else:
         own[:] = False
-    others = [g for g in able if g["id"] != h["id"] and h["status"] != "rejected" and _near(g, h)]
-    masks = {g["id"]: behind(points, meshes[g["type"]], _pose(g)) for g in others}
+    masks = {g["id"]: behind(points, meshes[g["type"]], _pose(g)) for g in beside}
     before = {name: mask for name, mask in masks.items() if mask.any()}
     table, found, begin = np.column_stack([own, *before.values()]), list[Stroke](), 0
     for line in lines:

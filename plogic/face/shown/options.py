@@ -238,10 +238,12 @@ class Watching:
     """Which frames ``plogic watch`` takes, and what it writes of each.
 
     Each ``every``-th frame, ``limit`` of them at most; ``newest``: of a stream, the newest one. ``short`` lines, as of
-    ``plogic batch``; ``picture``: where the newest picture stands; ``pictures``: the folder of all.
+    ``plogic batch``; ``picture``: where the newest picture stands; ``pictures``: the folder of all; ``jobs``: processes
+    that interpret a frame each, None for one a core.
     """
 
     every: int = 1
+    jobs: int | None = None
     limit: int | None = None
     newest: bool = False
     short: bool = False

@@ -6,13 +6,14 @@
 The same video or stream gives the same moments, unless its newest frames are asked for.
 """
 
+import os
 import re
 import sys
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
 from time import monotonic
-from typing import Any, NamedTuple, Protocol, cast
+from typing import Any, NamedTuple, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
@@ -151,7 +152,7 @@ def opened(number: int, size: tuple[int, int] | None) -> Device:
 def _opened(source: str) -> Iterator[Video | Stream]:
     """A video, or what gives bytes of pictures: standard input, a pipe, a file of pictures in a row."""
     if source == "-":
-        yield cast("Stream", sys.stdin.buffer)
+        yield _Raw(sys.stdin.fileno())
         return
     path, fault = Path(source), fault_of(Path(source))
     if fault == IS_MISSING and "://" in source:
@@ -170,6 +171,17 @@ def _opened(source: str) -> Iterator[Video | Stream]:
         raise InputError(f"{source}: cannot be read: {error.strerror}") from None
     with file:
         yield file
+
+
+class _Raw:
+    """Standard input without a buffer, whose lock a thread that waits at the end of the process would hold."""
+
+    def __init__(self, number: int) -> None:
+        self._number = number
+
+    def read1(self, size: int, /) -> bytes:
+        """What has come."""
+        return os.read(self._number, size)
 
 
 def _since(start: float | None, clock: Callable[[], float] | None) -> tuple[float | None, float | None]:

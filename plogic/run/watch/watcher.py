@@ -13,13 +13,16 @@ from plogic.facts.document import Interpretation, MomentRow
 from plogic.facts.interpretation import text_of
 from plogic.run.batch.frame_lines import DONE, UNFINISHED, Lines
 from plogic.run.batch.frames import Frame, Settings
-from plogic.run.cameras import Shot, shot_with, sized
+from plogic.run.cameras import Shot, shot_with
 from plogic.run.perceive import perceiver_of
 from plogic.run.sources import detected, kb_of
-from plogic.run.watch.moments import Moment
+from plogic.run.video.video import frame_name
+from plogic.run.watch.moments import Moment, device_number
 from plogic.sequence.unposed.reading import doubts_weighed
 
 if TYPE_CHECKING:
+    from collections.abc import Callable
+
     import numpy as np
     from numpy.typing import NDArray
 
@@ -27,12 +30,18 @@ if TYPE_CHECKING:
 
 
 class Seen(NamedTuple):
-    """A frame's ``line``, with its end; its interpretation where there is one; ``error`` where there is none."""
+    """A frame's ``line``, with its end, and what it took ``seconds`` to find: the accepted objects, or an ``error``.
+
+    ``picture``: PNG of what was found, if any is wanted; ``notes``: what is doubtful of the camera.
+    """
 
     status: str
     line: bytes
-    document: Interpretation | None = None
+    known: tuple[str, ...] = ()
     error: str = ""
+    notes: tuple[str, ...] = ()
+    picture: bytes | None = None
+    seconds: float = 0.0
 
 
 class Watcher:
@@ -41,25 +50,41 @@ class Watcher:
     ``short``: lines are ``frame/1``, as ``plogic batch`` writes them; else ``interpretation/1``, what ``plogic
     perceive`` writes, with the key ``moment``. A frame that cannot be perceived is a ``frame/1`` with its error.
 
-    ``notes``: what is doubtful of the camera, once there was a frame.
+    ``draw``: makes the picture of a frame, where one is wanted; ``processes``: how many may search one frame.
 
     Raises PlogicError where the KB cannot be read.
     """
 
-    def __init__(self, settings: Settings, source: str, *, short: bool) -> None:
-        self.settings, self.source, self.short = settings, source, short
-        self.notes: tuple[str, ...] = ()
-        self._camera: Camera | None = None
-        self.perceiver = perceiver_of(kb_of(settings.kb))
+    def __init__(
+        self,
+        settings: Settings,
+        source: str,
+        *,
+        short: bool,
+        draw: "Callable[[Interpretation, NDArray[np.uint8]], bytes] | None" = None,
+        processes: int | None = None,
+    ) -> None:
+        self.settings, self.source, self.short, self._draw = settings, source, short, draw
+        self._stem = _stem(source)
+        self._cameras: dict[tuple[int, ...], tuple[Camera, tuple[str, ...]]] = {}
+        self.perceiver = perceiver_of(kb_of(settings.kb), processes=processes)
         self._lines = Lines(settings, {"name": self.perceiver.kb.name, "digest": self.perceiver.kb.digest})
 
-    def __call__(self, moment: Moment, name: str) -> Seen:
-        """What a frame called ``name`` shows.
+    def name(self, moment: Moment) -> str:
+        """What a frame is called: ``clip_000012``, ``stdin_000012``, ``camera0_000012``."""
+        return frame_name(self._stem, moment.number)
+
+    def __call__(self, moment: Moment) -> Seen:
+        """What a frame shows.
 
         Raises PlogicError where no frame can show anything: nothing tells the camera, or it is of another size, or no
         detector reports a type of the KB.
         """
-        frame = Frame(self.source, name, "image")
+        begun = monotonic()
+        return self._seen(moment)._replace(seconds=monotonic() - begun)
+
+    def _seen(self, moment: Moment) -> Seen:
+        frame = Frame(self.source, self.name(moment), "image")
         row: MomentRow = {
             "input": self.source,
             "number": moment.number,
@@ -69,7 +94,7 @@ class Watcher:
         if moment.pixels is None:
             return self._wrong(frame, moment.fault or "cannot be read", row)
         clock, chosen = Stopwatch(), self.settings
-        shot = self._shot(moment.pixels, name)
+        shot = self._shot(moment.pixels, self.name(moment))
         gamma = detected(shot.image, shot.camera, self.perceiver.kb, clock)
         end = monotonic() + chosen.deadline if chosen.deadline is not None else None
         options = Options(chosen.reading, chosen.reconsider, chosen.smoothing, end)
@@ -80,17 +105,29 @@ class Watcher:
         document = document if chosen.deadline is not None else doubts_weighed(document)
         if self.short:
             status, line = self._lines.perceived(frame, document, None, moment=row)
-            return Seen(status, line, document)
-        placed: Interpretation = {"format": document["format"], "moment": row, **document}
-        return Seen(UNFINISHED if document.get("unfinished") else DONE, text_of(placed).encode(), document)
+        else:
+            placed: Interpretation = {"format": document["format"], "moment": row, **document}
+            status, line = UNFINISHED if document.get("unfinished") else DONE, text_of(placed).encode()
+        picture = None if self._draw is None else self._draw(document, moment.pixels)
+        return Seen(status, line, _known(document), notes=shot.notes, picture=picture)
 
     def _shot(self, pixels: "NDArray[np.uint8]", name: str) -> Shot:
-        """A frame with the camera of the first one."""
-        if self._camera is not None:
-            return Shot(pixels, sized(self._camera, pixels, "the first frame", name))
-        shot = shot_with(pixels, self.settings.camera, name)
-        self._camera, self.notes = shot.camera, shot.notes
-        return shot
+        """A frame with the camera, which is read once for all frames of a size."""
+        if pixels.shape not in self._cameras:
+            self._cameras[pixels.shape] = shot_with(pixels, self.settings.camera, name)[1:]
+        return Shot(pixels, *self._cameras[pixels.shape])
 
     def _wrong(self, frame: Frame, what: str, row: MomentRow) -> Seen:
         return Seen(*self._lines.wrong(frame, what, None, moment=row), error=what)
+
+
+def _stem(source: str) -> str:
+    """What the names of frames begin with."""
+    number = device_number(source)
+    return f"camera{number}" if number is not None else "stdin" if source == "-" else source
+
+
+def _known(document: Interpretation) -> tuple[str, ...]:
+    """The accepted objects: ``h1 t1 (0.941)``."""
+    accepted = [h for h in document["hypotheses"] if h["status"] == "accepted"]
+    return tuple(f"{h['id']} {h['type']} ({h['probability']:.3f})" for h in accepted)

@@ -11,6 +11,9 @@ from console import good, plogic
 from exif_files import EQUIVALENT, FOCAL, HEIGHT, ORIENTATION, RESOLUTION, UNIT, WIDTH, exif, grey, jpeg
 from refusals import assert_lines, refused
 
+from geometry.field_of_view import DIAGONAL_35MM, fov_across
+from plogic.run.cameras import WAYS
+
 TURNED = "its orientation tag (6) is not applied: pixels, and --fov across, are of the picture as it is stored, 64x48"
 """Of a picture of 64 x 48, whose diagonal is 80 px."""
 F28 = 80 * 28 / 43.266615
@@ -225,3 +228,31 @@ def test_a_topic_that_was_echoed_is_a_camera(folder):
     )
     (folder / "info.yaml").write_text(f"{message}---\n{message}---\n")
     assert perceived(folder, "plain.png", "--camera", "info.yaml") == (camera(60.0), [])
+
+
+def test_a_camera_that_is_of_no_use_is_told(folder):
+    gamma = {"format": "gamma/1", "camera": camera(60), "appearances": []}
+    (folder / "g.json").write_text(json.dumps(gamma))
+    found, said = perceived(folder, "g.json", "--fov", "90")
+    assert (found, said) == (camera(60.0), ["g.json: a Γ has a camera of its own: --fov is not used"])
+    pair = {"format": "stereo/1", "T_right_left": [[1, 0, 0, -0.1], [0, 1, 0, 0], [0, 0, 1, 0], [0, 0, 0, 1]]}
+    (folder / "stereo.json").write_text(json.dumps(pair))
+    both = (
+        "perceive",
+        "g.json",
+        "g.json",
+        "--stereo",
+        "stereo.json",
+        "--focal",
+        "50",
+        "--kb",
+        "towers",
+        "-o",
+        "out.json",
+    )
+    assert_lines(refused(folder, *both), ["--focal: --stereo tells both cameras; leave one of the two out"])
+
+
+def test_the_angles_of_phones_that_are_named_are_those_of_24_to_28_mm():
+    angles = [round(fov_across(DIAGONAL_35MM, mm)) for mm in (28, 24)]
+    assert f"{angles[0]} to {angles[1]} of most phones' main cameras" in WAYS

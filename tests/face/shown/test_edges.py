@@ -92,6 +92,12 @@ def test_what_is_transparent_rejected_or_without_a_surface_hides_nothing(more):
     assert not any(s.hidden_by for s in strokes["h2"])
 
 
+def test_rivals_do_not_hide_each_other():
+    rows, rival = (box("h1", (-0.75, 0, 3)), box("h2", (0, 0, 5))), {"fact": "rival", "args": ["h1", "h2"]}
+    assert any(s.hidden_by for s in edges_of(scene(*rows))["h2"])
+    assert not any(s.hidden_by for s in edges_of(scene(*rows, facts=[rival]))["h2"])
+
+
 def test_a_rejected_one_is_hidden_by_itself_alone():
     strokes = edges_of(scene(box("h1", (-0.3, 0, 3)), box("h2", (0, 0, 5), 0.7, status="rejected")))["h2"]
     assert not any(s.hidden_by for s in strokes)

@@ -14,7 +14,7 @@ from hypothesis import strategies as st
 
 from geometry.errors import CameraError, WhichCameraError
 from geometry.files.camera_files import read_camera
-from geometry.files.colmap_files import colmap_binary
+from geometry.files.colmap_files import colmap_binary, taken_by
 
 COLMAP = Path(__file__).with_name("colmap")
 SEEN = json.loads((COLMAP / "pixels.json").read_text())
@@ -141,3 +141,23 @@ def test_no_bytes_do_harm(data):
     except CameraError:
         return
     assert len(cameras) <= 7
+
+
+@pytest.mark.parametrize("kind", ["bin", "txt"])
+def test_no_file_of_images_does_harm(kind, tmp_path):
+    whole, rng = ((BINARY if kind == "bin" else TEXT) / f"images.{kind}").read_bytes(), np.random.default_rng(0)
+    answers, told = set(), []
+    for number in range(200):
+        spoilt = bytearray(whole)
+        for at in rng.integers(0, len(whole), rng.integers(1, 6)):
+            spoilt[at] = rng.integers(0, 256)
+        images = tmp_path / str(number) / f"images.{kind}"
+        images.parent.mkdir()
+        images.write_bytes(spoilt[: rng.integers(0, 2 * len(whole))])
+        try:
+            answers.add(taken_by(images.with_name(f"cameras.{kind}"), "o.jpg"))
+        except CameraError as error:
+            told.append((str(images), str(error)))
+    assert "5" in answers
+    assert len(told) > 20
+    assert [text for images, text in told if not text.startswith(images) or "\n" in text] == []

@@ -1,0 +1,1 @@
+"""Whether ``plogic watch`` keeps up with a pipe."""
