@@ -140,6 +140,15 @@ def _starts(objects: Floats, seen: Floats, camera: Camera) -> Floats:
     return from_rotation_translation(rotations, place - rotations @ middle)
 
 
+def fitted_focal(points: Floats, uv: Floats, camera: Camera, pose: Floats) -> tuple[float, float]:
+    """(ln of what the focal length is to be multiplied by, its standard error) for ``points`` to fit ``uv``.
+
+    ``points`` (N, 3) m in the object's frame, ``uv`` (N, 2) px, from a ``pose`` (4, 4) that is near.
+    """
+    f, _, _, error = _refined(points, camera.normalised(uv) * camera.f + camera.K[:2, 2], camera, pose)
+    return float(np.log(f / camera.f)), error / f
+
+
 def _refined(objects: Floats, seen: Floats, camera: Camera, pose: Floats) -> tuple[float, Floats, float, float]:
     """Focal length and pose together by least squares from those given.
 

@@ -81,7 +81,7 @@ class SeenRow(StandsKey):
 class FeatureRow(SeenRow):
     """One feature of a hypothesis of Δh; ``expected`` and ``detected`` beside Δi."""
 
-    at: Annotated[Point3, "Its place in the object's frame, m."]
+    at: Annotated[Point3, "Its place in the camera's frame, m."]
     dv: Annotated[Positive, "Distinctiveness of its type."]
     residual: Annotated[float | None, "Distance from its predicted place to its match, pixels; null: no match."]
     density: Annotated[Positive, "Density of a match at that distance, per pixel²."]
@@ -95,7 +95,7 @@ class LookedRow(SeenRow):
 
     expected: Annotated[bool, "Whether it was expected."]
     detected: Annotated[bool, "Whether it was detected."]
-    at: NotRequired[Annotated[Point3, "Its place in the object's frame, m."]]
+    at: NotRequired[Annotated[Point3, "Its place in the camera's frame, m."]]
     dv: NotRequired[Annotated[Positive, "Distinctiveness of its type."]]
     residual: NotRequired[
         Annotated[float | None, "Distance from its predicted place to its match, pixels; null: no match."]

@@ -21,7 +21,7 @@ import functools
 import math
 import operator
 from collections.abc import Iterator
-from itertools import accumulate, islice, pairwise
+from itertools import accumulate, islice
 
 import numpy as np
 from numpy.typing import NDArray
@@ -31,7 +31,7 @@ from plogic.inference.graph import FactorGraph, Part, split
 from plogic.inference.marginals import WIDTH, plan
 from plogic.inference.merge import Stream, sums
 from plogic.inference.ranked_component import component, wide
-from plogic.inference.ranked_tables import DIGITS, Digits, joint, placed
+from plogic.inference.ranked_tables import DIGITS, Digits, joint
 
 State = tuple[float, tuple[int, ...]]
 
@@ -68,12 +68,15 @@ def whole(graph: FactorGraph, tie: float) -> Iterator[tuple[float, tuple[int, ..
 def _total(graph: FactorGraph, costs: NDArray[np.float64]) -> NDArray[np.float64]:
     """The costs of all joint states, flat; ``costs`` are those of the tables, one after the other."""
     cards = graph.cards
-    place = {v: v for v in range(len(cards))}
-    ends = accumulate([factor.table.size for factor in graph.factors], initial=0)
-    terms = [
-        placed(factor.scope, costs[start:stop], place, cards)
-        for factor, (start, stop) in zip(graph.factors, pairwise(ends), strict=True)
-    ]
+    terms, start = [], 0
+    for factor in graph.factors:
+        scope, stop = factor.scope, start + factor.table.size
+        first = scope[0] if scope else len(cards)  # the axes before are left to broadcasting
+        shape = [1] * (len(cards) - first)
+        for v in scope:
+            shape[v - first] = cards[v]
+        terms.append(costs[start:stop].reshape(shape))
+        start = stop
     total = functools.reduce(operator.add, terms)
     return (total if total.shape == cards else np.broadcast_to(total, cards)).ravel()
 
@@ -120,7 +123,7 @@ class Ranked:
     def __init__(self, graph: FactorGraph, *, seconds: float | None = None) -> None:
         self.states: list[State] = []
         self.finished = False
-        self._source = whole(graph, TIE_NATS) or _merged(graph, Clock(seconds))
+        self._source = _states(graph, Clock(seconds))
 
     def __iter__(self) -> Iterator[State]:
         return self
@@ -144,7 +147,11 @@ def best(graph: FactorGraph, n: int) -> list[State]:
     Raises:
         LimitError: a wide piece needs too many open nodes.
     """
-    return list(islice(Ranked(graph), n))
+    return list(islice(_states(graph, Clock(None)), n))
+
+
+def _states(graph: FactorGraph, clock: Clock) -> Iterator[State]:
+    return whole(graph, TIE_NATS) or _merged(graph, clock)
 
 
 def _merged(graph: FactorGraph, clock: Clock) -> Iterator[State]:

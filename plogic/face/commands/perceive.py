@@ -9,6 +9,7 @@ is wrong with the input.
 import json
 from collections.abc import Callable, Sequence
 from dataclasses import replace
+from itertools import chain
 from pathlib import Path
 from time import monotonic
 from typing import TYPE_CHECKING, Any
@@ -30,6 +31,7 @@ from plogic.facts.situation import stopped_in
 from plogic.run.cameras import GivenCamera, Shot, shot_of, sized
 from plogic.run.perceive import perceiver_of
 from plogic.run.silence.beforehand import beforehand
+from plogic.run.silence.lens import focal_doubt
 from plogic.run.sources import detected, gamma_of, is_gamma, kb_of
 from plogic.run.video.video import is_video
 from plogic.run.video.views import Input, views_in
@@ -85,7 +87,8 @@ def _of_one(source: str, options: Perceiving, say: Say, write: Say) -> int:
         with clock.stage("doubts"):
             document = doubts_weighed(document)
     status = _write_all(document, options, image, clock, write)
-    for line in (*_silence(document, gamma, kb), _summary(document, clock), *_impossible(document), *_doubts(document)):
+    amiss = _impossible(document), _lens(document, gamma), _doubts(document)
+    for line in (*_silence(document, gamma, kb), _summary(document, clock), *chain(*amiss)):
         say(line)
     return status
 
@@ -206,6 +209,12 @@ def _impossible(document: Interpretation) -> list[str]:
         for h in document["hypotheses"]
         if h["status"] == "accepted" and h["probability"] == 0.0
     ]
+
+
+def _lens(document: Interpretation, gamma: Gamma) -> list[str]:
+    """Whether the accepted objects disagree with the camera's focal length."""
+    told = focal_doubt(document, gamma.camera)
+    return [told] if told else []
 
 
 def _silence(document: Interpretation, gamma: Gamma, kb: KnowledgeBase) -> list[str]:

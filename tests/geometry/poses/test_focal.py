@@ -1,0 +1,65 @@
+"""Whether matched points agree with a focal length: what is told of it is as sure as it says."""
+
+import numpy as np
+import pytest
+
+from geometry.camera import centred_camera
+from geometry.frames import from_rotation_translation, transform_points, turn_about
+from geometry.poses.focal import focal_step
+from geometry.poses.refine import refine_poses
+from geometry.poses.register import fitted_focal
+
+RIGHT = centred_camera((640, 480), 600.0)
+
+
+def seen(rng, count=30, noise=1.0, depth=4.0):
+    """Points of a box (N, 3) m, and their noisy images (N, 2) under the right camera; the pose."""
+    points = rng.uniform([-0.5, -0.4, -0.6], [0.5, 0.4, 0.6], (count, 3))
+    turn = turn_about([0, 1, 0], rng.uniform(-3, 3)) @ turn_about([1, 0, 0], rng.uniform(-3, 3))
+    pose = from_rotation_translation(turn, [rng.uniform(-0.5, 0.5), rng.uniform(-0.3, 0.3), depth])
+    return points, RIGHT.project(transform_points(pose, points)) + rng.normal(0, noise, (count, 2)), pose
+
+
+def best(points, uv, camera, pose):
+    """The pose that is best under a camera, as the search leaves it."""
+    start = pose.copy()
+    start[2, 3] *= camera.f / RIGHT.f
+    poses, _, _ = refine_poses(start[None], points[None], uv[None], np.ones((1, len(points))), camera, 50)
+    return poses[0]
+
+
+def test_the_standard_error_is_that_of_the_step():
+    rng = np.random.default_rng(0)
+    found = []
+    for _ in range(300):
+        points, uv, pose = seen(rng)
+        step, error = focal_step(points, uv, RIGHT, best(points, uv, RIGHT, pose))
+        found.append(step / error)
+    assert abs(np.mean(found)) < 0.2
+    assert 0.85 < np.std(found) < 1.15
+    assert np.abs(found).max() < 4.0
+
+
+@pytest.mark.parametrize("wrong", [0.7, 0.85, 1.25, 1.6])
+def test_a_wrong_focal_length_is_seen_and_the_fit_finds_the_right_one(wrong):
+    rng = np.random.default_rng(1)
+    camera = centred_camera((640, 480), 600.0 * wrong)
+    for _ in range(20):
+        points, uv, pose = seen(rng, noise=0.5, depth=2.5)
+        near = best(points, uv, camera, pose)
+        step, error = focal_step(points, uv, camera, near)
+        assert step / error * np.sign(1.0 - wrong) > 4.0
+        told, sure = fitted_focal(points, uv, camera, near)
+        assert abs(told + np.log(wrong)) < 5.0 * sure
+        assert sure < 0.1
+
+
+def test_what_fixes_no_focal_length_says_nothing():
+    rng = np.random.default_rng(2)
+    flat = np.concatenate([rng.uniform(-0.5, 0.5, (20, 2)), np.zeros((20, 1))], axis=1)
+    pose = from_rotation_translation(np.eye(3), [0, 0, 4.0])
+    uv = RIGHT.project(transform_points(pose, flat))
+    assert focal_step(flat, uv, RIGHT, pose)[1] > 1.0
+    assert focal_step(flat[:5], uv[:5], RIGHT, pose) == (0.0, np.inf)
+    behind = from_rotation_translation(np.eye(3), [0, 0, -4.0])
+    assert focal_step(flat, uv, RIGHT, behind) == (0.0, np.inf)
