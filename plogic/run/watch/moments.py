@@ -9,7 +9,7 @@ The same video or stream gives the same moments, unless its newest frames are as
 import os
 import re
 import sys
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Generator, Iterator
 from contextlib import contextmanager
 from pathlib import Path
 from time import monotonic
@@ -70,12 +70,8 @@ def moments_of(
     """
     number = device_number(source)
     if number is not None:
-        device = opened(number, size)
-        try:
-            with Newest(of_device(device, number, every), _skipping) as moments:
-                yield moments
-        finally:
-            device.release()
+        with Newest(of_device(opened(number, size), number, every), _skipping) as moments:
+            yield moments
         return
     with _opened(source) as stream:
         if isinstance(stream, Video):
@@ -93,7 +89,7 @@ def device_number(source: str) -> int | None:
     return int(found[1]) if found and (source.startswith("/") or not is_there(Path(source))) else None
 
 
-def of_video(video: Video, every: int) -> Iterator[Moment]:
+def of_video(video: Video, every: int) -> Generator[Moment]:
     """The frames of a video. Raises InputError where it is damaged."""
     number = 0
     while (shown := video.frame(number)) is not None:
@@ -101,7 +97,7 @@ def of_video(video: Video, every: int) -> Iterator[Moment]:
         number += every
 
 
-def of_pictures(stream: Stream, name: str, every: int, clock: Callable[[], float] | None = None) -> Iterator[Moment]:
+def of_pictures(stream: Stream, name: str, every: int, clock: Callable[[], float] | None = None) -> Generator[Moment]:
     """The pictures of a stream, a damaged one too; with a ``clock`` they are timed as they come.
 
     Raises ImageError where none can be told any more.
@@ -117,16 +113,22 @@ def of_pictures(stream: Stream, name: str, every: int, clock: Callable[[], float
             yield Moment(number, seconds, None, str(error))
 
 
-def of_device(device: Device, name: int, every: int) -> Iterator[Moment]:
-    """The frames of a camera. Raises InputError where it gives no more, as when it is unplugged."""
+def of_device(device: Device, name: int, every: int) -> Generator[Moment]:
+    """The frames of a camera, which whoever takes them leaves to others at the end.
+
+    Raises InputError where it gives no more, as when it is unplugged.
+    """
     start, number = None, 0
-    while device.grab():
-        seconds, start = _since(start, monotonic)
-        if number % every == 0:
-            there, pixels = device.retrieve()
-            fault = None if there else f"camera {name}: frame {number} cannot be read"
-            yield Moment(number, seconds, np.asarray(pixels) if there else None, fault)
-        number += 1
+    try:
+        while device.grab():
+            seconds, start = _since(start, monotonic)
+            if number % every == 0:
+                there, pixels = device.retrieve()
+                fault = None if there else f"camera {name}: frame {number} cannot be read"
+                yield Moment(number, seconds, np.asarray(pixels) if there else None, fault)
+            number += 1
+    finally:
+        device.release()
     raise InputError(f"camera {name}: gives no more frames (it gave {number})")
 
 
@@ -167,15 +169,17 @@ def _opened(source: str) -> Iterator[Video | Stream]:
             yield video
         return
     try:
-        file = path.open("rb")
+        number = os.open(path, os.O_RDONLY | os.O_CLOEXEC)
     except OSError as error:
         raise InputError(f"{source}: cannot be read: {error.strerror}") from None
-    with file:
-        yield file
+    try:
+        yield _Raw(number)
+    finally:
+        os.close(number)
 
 
 class _Raw:
-    """Standard input without a buffer, whose lock a thread that waits at the end of the process would hold."""
+    """A file without a buffer: its lock would be held by a thread that waits for more, and nobody could close it."""
 
     def __init__(self, number: int) -> None:
         self._number = number

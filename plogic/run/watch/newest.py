@@ -3,7 +3,8 @@
 * ``with Newest(frames, lambda frame, skipped: ...) as newest: next(newest)``: waits where none has come since
 """
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Generator
+from contextlib import closing
 from threading import Condition, Thread
 from typing import Generic, Self, TypeVar
 
@@ -15,7 +16,7 @@ LOOK = 0.2
 class Newest(Generic[Thing]):
     """``told(thing, skipped)`` is what is handed on: ``skipped`` things came before it since the last one that was."""
 
-    def __init__(self, things: Iterator[Thing], told: Callable[[Thing, int], Thing]) -> None:
+    def __init__(self, things: Generator[Thing], told: Callable[[Thing, int], Thing]) -> None:
         self._things, self._told = things, told
         self._last: list[Thing] = []
         self._come = self._given = 0
@@ -52,12 +53,13 @@ class Newest(Generic[Thing]):
     def _take(self) -> None:
         error = None
         try:
-            for thing in self._things:
-                with self._changed:
-                    if self._over:
-                        return
-                    self._last, self._come = [thing], self._come + 1
-                    self._changed.notify()
+            with closing(self._things) as things:
+                for thing in things:
+                    with self._changed:
+                        if self._over:
+                            return
+                        self._last, self._come = [thing], self._come + 1
+                        self._changed.notify()
         except Exception as fault:  # noqa: BLE001 - raised where the things are used
             error = fault
         with self._changed:

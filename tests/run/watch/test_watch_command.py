@@ -152,17 +152,21 @@ def test_a_reader_that_goes_ends_it_quietly(small):
 
 
 @pytest.mark.parametrize(("number", "status"), [(signal.SIGINT, 1), (signal.SIGTERM, 143)], ids=["SIGINT", "SIGTERM"])
-def test_ctrl_c_ends_it_with_a_line(small, number, status):
-    command, cwd = watching(small, "-")
-    with subprocess.Popen(
-        command, cwd=cwd, stdin=subprocess.PIPE, stdout=subprocess.PIPE, stderr=subprocess.PIPE
-    ) as child:
-        child.stdin.write(png(SMALL[0]))
-        child.stdin.flush()
+@pytest.mark.parametrize("how", ["stdin", "newest", "pipe", "one job"])
+def test_ctrl_c_ends_it_with_a_line(small, tmp_path, how, number, status):
+    os.mkfifo(tmp_path / "pipe")
+    source = {"pipe": [tmp_path / "pipe"], "newest": ["-", "--newest"], "one job": ["-", "--jobs", 1]}.get(how, ["-"])
+    command, cwd = watching(small, *source)
+    pipe = subprocess.PIPE
+    with subprocess.Popen(command, cwd=cwd, stdin=pipe, stdout=pipe, stderr=pipe) as child:
+        feeder = (tmp_path / "pipe").open("wb") if how == "pipe" else child.stdin
+        feeder.write(png(SMALL[0]))
+        feeder.flush()
         assert json.loads(child.stdout.readline())["moment"]["number"] == 0
         child.send_signal(number)
-        said = child.communicate()[1].decode()
-    assert child.returncode == status
+        assert child.wait(SECONDS) == status  # nothing more has come
+        said = child.stderr.read().decode()
+        feeder.close()
     assert said.splitlines()[-1].startswith("stopped: 1 frame; ")
     assert "Traceback" not in said
 
