@@ -28,7 +28,7 @@ from plogic.face.shown.options import Perceiving, written
 from plogic.facts.document import HypothesisRow, Interpretation, RejectedRow
 from plogic.facts.interpretation import text_of
 from plogic.facts.situation import stopped_in
-from plogic.run.cameras import GivenCamera, Shot, shot_of, shot_with, sized
+from plogic.run.cameras import GivenCamera, Shot, shot_of, sized
 from plogic.run.perceive import perceiver_of
 from plogic.run.silence.beforehand import beforehand
 from plogic.run.silence.lens import focal_doubt
@@ -288,7 +288,7 @@ def _looks(
     told = set[str]()  # notes of a camera: what is true of many frames is said of the first
     for number, (frame, pose) in enumerate(zip(frames, poses, strict=True), 1):
         try:
-            shot = _shot(frame, camera)
+            shot = None if frame.video is None and is_gamma(frame.name) else frame.shot(camera)
             for note in shot.notes if shot else ():
                 if note not in told:
                     say(f"{frame.name}: {note}")
@@ -347,13 +347,6 @@ def _looked(panorama: "Panorama", frame: Input, shot: Shot | None, placed: Place
         )
     there = replace(gamma, camera=replace(gamma.camera, world_from_camera=pose))  # one camera file serves all frames
     return panorama.look(View(f"v{number}", there, pose), image)
-
-
-def _shot(frame: Input, camera: GivenCamera) -> Shot | None:
-    """The picture of a frame with its camera; None of a Γ."""
-    if frame.video is not None:
-        return shot_with(frame.pixels(), camera, frame.name)
-    return None if is_gamma(frame.name) else shot_of(frame.name, camera)
 
 
 def _line(frame: str, look: "Look", panorama: "Panorama") -> str:

@@ -20,10 +20,10 @@ from plogic.run.batch.frames import (
     scene_at,
     version_of,
 )
-from plogic.run.cameras import Shot, shot_of, shot_with
+from plogic.run.cameras import Shot, shot_of
 from plogic.run.perceive import perceiver_of
 from plogic.run.sources import gamma_of, kb_of
-from plogic.run.video.video import frame_at
+from plogic.run.video.video import shot_at
 
 CHANGED = "changed while it was read"
 """What is wrong with a frame whose bytes before and after are not the same."""
@@ -87,6 +87,5 @@ class Worker:
         if (source := camera.source()) is not None:
             checked(source)
         if frame.kind == "video":
-            pixels = frame_at(frame.input, version_of(Path(frame.input)), number_in_video(frame))
-            return shot_with(pixels, camera, frame.name)
+            return shot_at(frame.input, version_of(Path(frame.input)), number_in_video(frame), camera)
         return shot_of(frame.input, camera)

@@ -18,6 +18,7 @@ from numpy.typing import NDArray
 from geometry.files.plain_files import must_be_plain
 from plogic.base.children import Child, heard, python
 from plogic.base.errors import InputError
+from plogic.run.cameras import GivenCamera, Shot, shot_with
 from plogic.run.video.video_child import VARIABLES
 
 VIDEOS = (".mp4", ".m4v", ".mov", ".avi", ".mkv", ".webm", ".mpg", ".mpeg", ".ts", ".m2ts", ".mts", ".wmv", ".flv", ".3gp", ".ogv")  # fmt: skip
@@ -74,6 +75,15 @@ class Video:
     def close(self) -> None:
         """End the decoder."""
         self._child.end()
+
+    @property
+    def notes(self) -> tuple[str, ...]:
+        """What people should know of its pixels, to be said after its name."""
+        if not self.rotation:
+            return ()
+        stored = f"{self.width}x{self.height}"
+        what = f"its rotation tag ({self.rotation} degrees) is not applied"
+        return (f"{what}: pixels, and --fov across, are of the frames as they are stored, {stored}",)
 
     def frame(self, number: int) -> Shown | None:
         """Frame ``number``, or None where the video ends before it. Raises InputError at what is damaged."""
@@ -175,15 +185,17 @@ def counted(path: str | Path) -> Count:
         return Count(0, str(error))
 
 
-def frame_at(path: str, version: tuple[int, ...], number: int) -> NDArray[np.uint8]:
-    """The pixels of a frame; the last video that was asked for is kept open, as long as its ``version`` is the same.
+def shot_at(path: str, version: tuple[int, ...], number: int, given: GivenCamera) -> Shot:
+    """A frame with its camera; the last video that was asked for is kept open, as long as its ``version`` is the same.
 
-    Raises InputError where there is no such frame.
+    Raises InputError where there is no such frame, or nothing tells the camera; CameraError.
     """
-    shown = _kept(path, version).frame(number)
+    video = _kept(path, version)
+    shown = video.frame(number)
     if shown is None:
         raise InputError(f"{path}: has no frame {number}")
-    return shown.pixels
+    shot = shot_with(shown.pixels, given, f"{path} {frame_name(path, number)}")
+    return shot._replace(notes=(*shot.notes, *video.notes))
 
 
 @lru_cache(1)

@@ -73,7 +73,10 @@ class Decoder:
         import cv2
 
         if not self._capture.isOpened():
-            return {"fault": self._fault or "has no pictures, or a codec that OpenCV lacks"}
+            return {
+                "fault": self._fault
+                or "it is sound alone, or of a codec that OpenCV lacks (ffmpeg -i FILE -c:v ffv1 clip.mkv makes another of it)"
+            }
         width, height = (int(self._capture.get(key)) for key in (cv2.CAP_PROP_FRAME_WIDTH, cv2.CAP_PROP_FRAME_HEIGHT))
         if not 0 < width * height <= MOST_PIXELS:
             return {"fault": f"its frames have {width}x{height} pixels, not 1 to {MOST_PIXELS}"}

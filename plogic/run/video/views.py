@@ -7,11 +7,9 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import NamedTuple
 
-import numpy as np
-from numpy.typing import NDArray
-
 from plogic.base.errors import InputError
-from plogic.run.video.video import counted, frame_at, frame_name, is_video
+from plogic.run.cameras import GivenCamera, Shot, shot_of
+from plogic.run.video.video import counted, frame_name, is_video, shot_at
 
 MOST_VIEWS = 1000
 """Frames of one video that are taken as views of one world."""
@@ -28,11 +26,13 @@ class Input(NamedTuple):
     number: int = 0
     fault: str | None = None
 
-    def pixels(self) -> NDArray[np.uint8]:
-        """Those of a video's frame. Raises InputError."""
+    def shot(self, given: GivenCamera) -> Shot:
+        """The picture with its camera. Raises InputError, ImageError or CameraError."""
         if self.fault is not None:
             raise InputError(self.fault)
-        return frame_at(str(self.video), (), self.number)
+        if self.video is None:
+            return shot_of(self.name, given)
+        return shot_at(self.video, (), self.number, given)
 
 
 def views_in(inputs: Sequence[str], every: int) -> list[Input]:

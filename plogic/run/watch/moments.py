@@ -34,7 +34,7 @@ class Moment(NamedTuple):
     """One frame: its ``number`` in the stream, the first is 0, and its ``pixels`` (H, W, 3), blue first.
 
     ``seconds`` after the first one, where that is known; ``fault``: why there are no pixels; ``skipped``: frames just
-    before it that nobody looked at, as newer ones had come.
+    before it that nobody looked at, as newer ones had come; ``notes``: what people should know of the pixels.
     """
 
     number: int
@@ -42,6 +42,7 @@ class Moment(NamedTuple):
     pixels: NDArray[np.uint8] | None
     fault: str | None = None
     skipped: int = 0
+    notes: tuple[str, ...] = ()
 
 
 class Device(Protocol):
@@ -96,7 +97,7 @@ def of_video(video: Video, every: int) -> Iterator[Moment]:
     """The frames of a video. Raises InputError where it is damaged."""
     number = 0
     while (shown := video.frame(number)) is not None:
-        yield Moment(number, shown.seconds, shown.pixels)
+        yield Moment(number, shown.seconds, shown.pixels, notes=video.notes)
         number += every
 
 

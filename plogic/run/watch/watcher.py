@@ -109,7 +109,7 @@ class Watcher:
             placed: Interpretation = {"format": document["format"], "moment": row, **document}
             status, line = UNFINISHED if document.get("unfinished") else DONE, text_of(placed).encode()
         picture = None if self._draw is None else self._draw(document, moment.pixels)
-        return Seen(status, line, _known(document), notes=shot.notes, picture=picture)
+        return Seen(status, line, _known(document), notes=(*shot.notes, *moment.notes), picture=picture)
 
     def _shot(self, pixels: "NDArray[np.uint8]", name: str) -> Shot:
         """A frame with the camera, which is read once for all frames of a size."""

@@ -4,12 +4,14 @@ from __future__ import annotations
 
 import os
 import signal
+import struct
 
 import numpy as np
 import pytest
 from written_videos import RATE, cut, pictures, video
 
 from plogic.base.errors import InputError
+from plogic.run.cameras import GivenCamera
 from plogic.run.video import video as videos
 from plogic.run.video.video import Count, Video, counted, frame_name, is_video
 from plogic.run.video.views import views_in
@@ -109,6 +111,30 @@ def test_a_decoder_that_dies_is_told(tmp_path):
             clip.frame(5)
 
 
+def turned(path):
+    """The video with a matrix in its track's header that turns it by 90 degrees."""
+    data = bytearray(path.read_bytes())
+    at = data.index(b"tkhd") + 4 + 40
+    upright = struct.unpack_from(">9i", data, at)
+    assert upright == (65536, 0, 0, 0, 65536, 0, 0, 0, 1 << 30)
+    struct.pack_into(">9i", data, at, 0, 65536, 0, -65536, 0, 0, 0, 0, 1 << 30)
+    path.write_bytes(data)
+    return path
+
+
+def test_a_rotation_tag_is_not_applied_and_that_is_noted(tmp_path):
+    upright = video(tmp_path / "a.mp4", FRAMES, "mp4v")
+    with Video(upright) as clip:
+        assert clip.notes == ()
+        pixels = clip.frame(3).pixels
+    (view, *_) = views_in([str(turned(upright))], every=3)[1:]
+    shot = view.shot(GivenCamera(focal=60.0))
+    assert np.array_equal(shot.image, pixels)
+    (note,) = shot.notes
+    assert note.startswith("its rotation tag (90 degrees) is not applied")
+    assert note.endswith("64x48")
+
+
 def test_frames_are_called_as_pictures_would_be():
     assert frame_name("videos/clip.mp4", 12) == "clip_000012"
     assert is_video("A.MP4")
@@ -119,7 +145,7 @@ def test_views_of_one_world_are_files_and_frames_and_not_too_many(tmp_path, monk
     path = str(video(tmp_path / "a.mkv", FRAMES))
     views = views_in(["b.png", path], every=4)
     assert [(view.name, view.number) for view in views] == [("b.png", 0), ("a_000000", 0), ("a_000004", 4)]
-    assert np.array_equal(views[2].pixels(), FRAMES[4])
+    assert np.array_equal(views[2].shot(GivenCamera(focal=60.0)).image, FRAMES[4])
     monkeypatch.setattr("plogic.run.video.views.MOST_VIEWS", 2)
     with pytest.raises(InputError, match="give --every 3"):
         views_in([path], every=1)
