@@ -34,6 +34,8 @@ MEMORY = 4 * 2**30
 NO_INDEX = "moov atom not found"
 """What libav says of an MP4 whose end is missing: its index is there."""
 
+_PROGRESSIVE = "ffmpeg -i {} -vf yadif -c:v ffv1 clip.mkv makes one that can be read"
+
 
 class Count(NamedTuple):
     """How many frames can be decoded, and what is wrong with the rest, as one line."""
@@ -99,7 +101,8 @@ class Video:
                 return None
         row = self._asked("take")
         if "fault" in row:
-            raise InputError(f"{self.path}: frame {number}: {row['fault']}")
+            remedy = f" ({_PROGRESSIVE.format(self.path)})" * ("interlaced" in row["fault"])
+            raise InputError(f"{self.path}: frame {number}: {row['fault']}{remedy}")
         pixels = np.frombuffer(self._bytes(int(np.prod(row["shape"]))), np.uint8).reshape(row["shape"])
         return Shown(pixels, row["seconds"])
 
@@ -139,6 +142,8 @@ class Video:
         if what is None:
             return None
         number, plural = self._next, "s" * (self._next != 1)
+        if not number:
+            return f"{self.path}: no frame can be decoded: {what}"
         return f"{self.path}: is damaged or cut off after {number} frame{plural}: {what}"
 
     def _asked(self, line: str) -> dict[str, Any]:

@@ -98,8 +98,9 @@ class Decoder:
         import cv2
 
         there, pixels = self._capture.retrieve()
-        if not there or pixels is None:
-            return {"fault": self._complaints.new() or "its pixels cannot be read"}, b""
+        fault = self._complaints.new()
+        if not there or pixels is None or fault is not None:  # else pixels of no frame may come
+            return {"fault": f"its pixels cannot be read{'' if fault is None else f': {fault}'}"}, b""
         if pixels.shape != self._shape or pixels.dtype.name != "uint8":
             return {"fault": f"its size changes to {pixels.shape[1]}x{pixels.shape[0]} pixels"}, b""
         seconds = self._capture.get(cv2.CAP_PROP_POS_MSEC) / 1000.0

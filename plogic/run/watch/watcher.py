@@ -100,9 +100,12 @@ class Watcher:
         options = Options(chosen.reading, chosen.reconsider, chosen.smoothing, end)
         try:
             document = self.perceiver(gamma, options, moment.pixels, clock)
+            document = document if chosen.deadline is not None else doubts_weighed(document)
         except PlogicError as error:
             return self._wrong(frame, str(error), row)
-        document = document if chosen.deadline is not None else doubts_weighed(document)
+        except Exception as error:  # noqa: BLE001 - no frame may stop the others
+            what = f"internal error: {' '.join(f'{type(error).__name__}: {error}'.split())}"
+            return self._wrong(frame, what, row)
         if self.short:
             status, line = self._lines.perceived(frame, document, None, moment=row)
         else:

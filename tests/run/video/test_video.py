@@ -135,6 +135,15 @@ def test_a_rotation_tag_is_not_applied_and_that_is_noted(tmp_path):
     assert note.endswith("64x48")
 
 
+def test_pixels_that_cannot_be_read_are_told_with_a_remedy(tmp_path, monkeypatch):
+    said = "its pixels cannot be read: Cannot convert interlaced to progressive frames"
+    with Video(video(tmp_path / "a.mkv", FRAMES)) as clip:
+        asked = clip._asked
+        monkeypatch.setattr(clip, "_asked", lambda line: {"fault": said} if line == "take" else asked(line))
+        with pytest.raises(InputError, match=f"a.mkv: frame 2: {said} .*-vf yadif"):
+            clip.frame(2)
+
+
 def test_frames_are_called_as_pictures_would_be():
     assert frame_name("videos/clip.mp4", 12) == "clip_000012"
     assert is_video("A.MP4")

@@ -15,6 +15,11 @@ from jsonschema import Draft202012Validator
 from small_frames import CAMERA, KB
 from written_videos import pictures, video
 
+from plogic.run.batch.frames import Settings
+from plogic.run.cameras import GivenCamera
+from plogic.run.watch.moments import Moment
+from plogic.run.watch.watcher import Watcher
+
 SMALL = pictures(4)
 
 
@@ -191,6 +196,24 @@ def test_a_source_that_cannot_be_opened_says_what_to_do(small, source, said):
     done = plogic("watch", source, "--kb", KB, "--camera", "camera.json", cwd=small)
     assert (done.returncode, done.stdout) == (1, "")
     assert said in done.stderr.splitlines()[-1]
+
+
+def test_a_frame_at_which_we_fail_is_a_line_and_no_stop(small):
+    watcher = Watcher(Settings(str(KB), GivenCamera(str(small / "camera.json"))), "-", short=True)
+    perceive, failing = watcher.perceiver, Moment(1, None, SMALL[1])
+
+    def fails_once(gamma, options, image, clock):
+        if image is failing.pixels:
+            raise ZeroDivisionError("by\nzero")
+        return perceive(gamma, options, image, clock)
+
+    fails_once.kb = perceive.kb
+    watcher.perceiver = fails_once
+    rows = [
+        json.loads(watcher(moment).line) for moment in (Moment(0, None, SMALL[0]), failing, Moment(2, None, SMALL[2]))
+    ]
+    assert [row["status"] for row in rows] == ["done", "error", "done"]
+    assert rows[1]["error"] == "internal error: ZeroDivisionError: by zero"
 
 
 def test_newest_is_of_a_stream(small):
