@@ -44,6 +44,8 @@ MARGIN = 8.0
 GAP = 0.08
 """Units of the scene that footprints keep from one another."""
 ATTEMPTS = 400
+ROOM = 3
+"""Shapes up to which the floor is of one size; it grows as they are more."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -114,8 +116,8 @@ def random_scene(
             look = _light(rng), _surroundings(rng), Sensor(seed=int(rng.integers(2**31)))
             return Scene(bodies, placed_camera, *look, found[2], framing.unit)
     raise SceneError(
-        f"no scene of {len(shapes)} shapes and {decoys} decoys ({placement}) was found in {ATTEMPTS} attempts"
-        + ("" if framing.reach else "; at another distance, or with fewer, there may be room")
+        f"no scene of {len(shapes)} shapes and {decoys} decoys ({placement}) was found in {ATTEMPTS} attempts; "
+        "at another distance, with fewer or with another seed, there may be room"
     )
 
 
@@ -158,7 +160,7 @@ def _standing(
     first = np.zeros(2)
     order = rng.permutation(len(shapes))
     for rank, index in enumerate(order):
-        at = rng.uniform(-1.4, 1.4, 2) if rank else first
+        at = rng.uniform(-1.4, 1.4, 2) * max(1.0, len(shapes) / ROOM) if rank else first
         if placement == "hiding" and rank == 1:
             at = first + rng.uniform(0.8, 2.4) * away + rng.uniform(-0.9, 0.9) * across
         label, mesh = shapes[index]

@@ -56,7 +56,7 @@ def test_a_camera_that_is_told_where_to_stand_stands_there_or_says_that_it_canno
     middle = away.bodies[0].vertices_world.mean(axis=0)
     assert away.camera.world_from_camera is not None
     assert np.linalg.norm(away.camera.world_from_camera[:3, 3] - middle) == pytest.approx(6.5, abs=0.1)
-    with pytest.raises(SceneError, match="at another distance, or with fewer, there may be room"):
+    with pytest.raises(SceneError, match="at another distance, with fewer or with another seed, there may be room"):
         random_scene(shapes(1.0), 0, framing=Framing(distance=(0.3, 0.3), reach=None))
 
 
@@ -68,3 +68,9 @@ def test_a_robot_s_room_is_as_large_as_the_scene():
     below[2, 3], beyond[0, 3] = 0.002, 0.7
     assert robot.why_not(below) == "is 0.00 m above the floor; 0.003125 m are the least"
     assert robot.why_not(beyond) == "is outside the room, which reaches 0.625 m from the middle of the scene"
+
+
+def test_more_things_have_a_larger_floor():
+    scene = random_scene([*shapes(1.0), *shapes(1.0), *shapes(1.0)][:5], 1)
+    assert len(scene.bodies) == 5
+    assert min(scene.fractions) > 0.97
