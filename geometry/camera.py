@@ -9,18 +9,17 @@ What a camera description must satisfy, ``CameraRow``; every mistake is named by
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from functools import cached_property
-from typing import Annotated, Any, NotRequired, TypedDict, cast
+from typing import Any, cast
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from geometry.arrays import Floats, Mask, frozen, last_axes
+from geometry.camera_row import LARGEST, LENGTHS, RIGID, SHORTEST, STRONGEST, CameraRow
 from geometry.errors import CameraError, Keys, Mistake, told
 from geometry.frames import inverse, is_rigid
 from geometry.json_checks import check_of
-from geometry.json_shapes import Lengths, Range, Row, Rule, Size
 
-LENGTHS = (0, 4, 5, 8, 12, 14)  # the numbers of coefficients that OpenCV knows
 _ROUNDS = 30  # of Newton's method in `undistort`; five are enough for a usual lens
 _STEP = 1e-6  # for its central differences
 _FOUND = 1e-8  # how near the distorted solution must come, in normalised units (6e-6 px at f = 600)
@@ -108,51 +107,6 @@ def _within(xy: Floats, edge: float) -> Floats:
         return xy
     radius = np.linalg.norm(xy, axis=-1, keepdims=True)
     return np.asarray(xy * np.minimum(1.0, 0.999 * edge / np.maximum(radius, 1e-12)))
-
-
-MAX_SIDE = 65536  # px
-SHORTEST, LARGEST = (
-    1e-3,
-    1e9,
-)  # px; focal lengths beyond, and larger numbers of a matrix, belong to no camera, and squares of them overflow
-STRONGEST = 1e6  # a distortion coefficient; past a few thousand no lens is known
-
-
-RIGID = "should be a rigid 4x4 matrix (row-major, metres)"
-Pose = Annotated[list[Annotated[list[float], Size(4)]], Size(4), Rule(RIGID)]
-"""A rigid motion, row-major, metres."""
-_Focal, _Offset = Annotated[float, Range(SHORTEST, LARGEST)], Annotated[float, Range(-LARGEST, LARGEST)]
-_Zero, _One = Annotated[float, Range(0.0, 0.0)], Annotated[float, Range(1.0, 1.0)]
-_Rows = Row(
-    Annotated[list[float], Row(_Focal, _Offset, _Offset)],
-    Annotated[list[float], Row(_Zero, _Focal, _Offset)],
-    Annotated[list[float], Row(_Zero, _Zero, _One)],
-)
-
-
-class CameraRow(TypedDict):
-    """A camera as JSON: the key `camera` of other documents, or a file of its own."""
-
-    width: Annotated[int, Range(1, MAX_SIDE), "Width of the image, pixels."]
-    height: Annotated[int, Range(1, MAX_SIDE), "Height of the image, pixels."]
-    K: Annotated[
-        list[list[float]],
-        _Rows,
-        Rule("should be [[fx, skew, cx], [0, fy, cy], [0, 0, 1]]"),
-        "Focal lengths, skew and principal point, pixels; an integer pixel is a pixel's centre.",
-    ]
-    dist: NotRequired[
-        Annotated[
-            list[Annotated[float, Range(-STRONGEST, STRONGEST)]],
-            Lengths(*LENGTHS),
-            "Lens distortion, OpenCV's coefficients in OpenCV's order: k1, k2, p1, p2, k3, ...; none: `[]`.",
-        ]
-    ]
-    T_world_camera: NotRequired[
-        Annotated[
-            Pose | None, "Where the camera stands: maps camera coordinates to the world's (z up); row-major, metres."
-        ]
-    ]
 
 
 NEAREST = 1e-6  # m; what is not farther than this in front of the camera has no image

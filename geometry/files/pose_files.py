@@ -18,7 +18,7 @@ from typing import Annotated, Literal, NamedTuple, NotRequired, TypedDict, cast
 import numpy as np
 
 from geometry.arrays import Floats, frozen
-from geometry.camera import RIGID, Pose
+from geometry.camera_row import RIGID, Pose
 from geometry.errors import CameraError, GeometryError, Mistake, told
 from geometry.files.documents import Document, parsed_json, read_json
 from geometry.files.plain_files import must_be_plain, text_of

@@ -7,7 +7,7 @@ only a writer needs, are not required; the writer tells all of them.
 
 from typing import Annotated, Literal, NotRequired, TypedDict
 
-from geometry.camera import CameraRow, Pose
+from geometry.camera_row import CameraRow, Pose
 from geometry.json_shapes import Row, Size
 from plogic.facts.fact_rows import (
     Chance,

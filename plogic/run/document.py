@@ -7,12 +7,12 @@ in every world (``left_out`` per hypothesis, and one feature that stands for tho
 """
 
 from collections.abc import Mapping, Sequence
-from typing import cast
+from typing import TYPE_CHECKING, cast
 
 import numpy as np
 from numpy.typing import NDArray
 
-from geometry.camera import CameraRow, camera_to_dict
+from geometry.camera import camera_to_dict
 from kb.clouds.cloud import KnowledgeBase
 from plogic.cycle.delta import Delta
 from plogic.cycle.lumped import left_out, looked_at, support_document, told, told_as, types_told
@@ -47,6 +47,9 @@ from plogic.scene.worlds.ranked_worlds import Ranking
 from sensing.appearance import Gamma
 from sensing.files.gamma_files import appearance_to_dict
 from sensing.uncollected import uncollected
+
+if TYPE_CHECKING:
+    from geometry.camera_row import CameraRow
 
 LISTED_REJECTED = 12
 """Rejected hypotheses that are written, the best first; the trace names them all."""

@@ -7,13 +7,13 @@ import sys
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from numpy.typing import NDArray
-
 from geometry.files.plain_files import is_there
 from plogic.base.clock import Stopwatch
 from plogic.base.errors import InputError
 
 if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
     from geometry.camera import Camera
     from kb.clouds.cloud import KnowledgeBase
     from plogic.run.cameras import Shot
@@ -36,7 +36,7 @@ def gamma_of(
     return detected(shot.image, shot.camera, kb, clock), shot.image
 
 
-def detected(picture: NDArray[Any], camera: "Camera", kb: "KnowledgeBase", clock: Stopwatch) -> "Gamma":
+def detected(picture: "NDArray[Any]", camera: "Camera", kb: "KnowledgeBase", clock: Stopwatch) -> "Gamma":
     """Γ of a picture (H, W, 3), BGR, by all detectors that report a type of the KB.
 
     Raises InputError where none does.

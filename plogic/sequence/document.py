@@ -5,7 +5,7 @@ A sequence of views, each with its interpretation, and what stands in the world 
 
 from typing import Annotated, Literal, NotRequired, TypedDict
 
-from geometry.camera import Pose
+from geometry.camera_row import Pose
 from geometry.json_shapes import Size
 from plogic.facts.document import Interpretation, KBRow, Marks, WorldRow
 from plogic.facts.fact_rows import Chance, Count, Interval, Name, Pair, Point3, Positive, Slightly

@@ -13,7 +13,8 @@ from collections.abc import Collection
 from pathlib import Path
 from typing import Annotated, Any, Literal, NotRequired, TypedDict, cast
 
-from geometry.camera import Camera, CameraRow, camera_from_dict, camera_mistakes, camera_to_dict
+from geometry.camera import Camera, camera_from_dict, camera_mistakes, camera_to_dict
+from geometry.camera_row import CameraRow
 from geometry.errors import Mistake
 from geometry.files.documents import Document, parsed_json
 from geometry.files.plain_files import name_of, text_of

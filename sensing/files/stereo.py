@@ -21,7 +21,8 @@ from typing import Annotated, Literal, NamedTuple, NotRequired, TypedDict, cast
 import numpy as np
 
 from geometry.arrays import Floats, Mask, frozen
-from geometry.camera import RIGID, Camera, CameraRow, Pose, camera_from_dict, camera_mistakes
+from geometry.camera import Camera, camera_from_dict, camera_mistakes
+from geometry.camera_row import RIGID, CameraRow, Pose
 from geometry.errors import CameraError, Mistake, told
 from geometry.files.documents import read_json
 from geometry.files.plain_files import must_be_plain

@@ -7,10 +7,10 @@ import json
 import sys
 from collections.abc import Callable, Sequence
 from dataclasses import asdict
+from typing import TYPE_CHECKING
 
 from plogic.base.errors import InputError, LimitError
-from plogic.face.python.asking import EXPLANATIONS
-from plogic.face.python.interpretation import Interpretation, opened
+from plogic.face.python.asking import EXPLANATIONS, opened
 from plogic.face.session.minds import ranked
 from plogic.face.session.results import Answers, World, Worlds
 from plogic.face.shown.figures import chance, interval
@@ -23,8 +23,10 @@ from plogic.logic.served.engine import TOO_DEEP, ProgramRanking
 from plogic.run.sources import is_program
 from plogic.scene import document as rows
 from plogic.scene.readings.unfinished import flagged, marks, with_notice
-from plogic.scene.worlds.predictions import doubts, said, weighed
-from plogic.scene.worlds.ranked_worlds import Ranking
+
+if TYPE_CHECKING:
+    from plogic.face.python.interpretation import Interpretation
+    from plogic.scene.worlds.ranked_worlds import Ranking
 
 LATE = 3
 """Exit status where a deadline was reached."""
@@ -42,14 +44,21 @@ def worlds_command(
     """The ranked worlds, taken anew, so that any number of them can be had; exit 3 where the deadline was reached."""
     asked = opened(source, options.reading, trust=options.trust, withhold=options.withhold)
     found, ranking = ranked(asked.beside(options.rules), number, given, asked.limits, options.deadline)
-    if isinstance(asked, Interpretation):
-        if isinstance(ranking, Ranking):
-            return _of_graph(asked, found, ranking, number, as_json=as_json)
+    if is_program(source):
+        return _of_text(found, ranking, None, as_json=as_json)
+    from plogic.face.python.interpretation import Interpretation
+
+    assert isinstance(asked, Interpretation)  # noqa: S101 - what is no program is one
+    if isinstance(ranking, ProgramRanking):
         return _of_text(found, ranking, asked.reading, as_json=as_json)
-    return _of_text(found, ranking, None, as_json=as_json)
+    return _of_graph(asked, found, ranking, number, as_json=as_json)
 
 
-def _of_graph(asked: Interpretation, found: Worlds, ranking: Ranking, number: int, *, as_json: bool) -> tuple[str, int]:
+def _of_graph(
+    asked: "Interpretation", found: Worlds, ranking: "Ranking", number: int, *, as_json: bool
+) -> tuple[str, int]:
+    from plogic.scene.worlds.predictions import doubts, said, weighed
+
     exact = ranking.log_evidence_interval[0] == ranking.log_evidence_interval[1]
     listed = [_row(world, bounded=not exact or bool(found.stopped)) for world in found.worlds]
     answer: rows.SceneWorlds = {
@@ -81,7 +90,7 @@ def _row(world: World, *, bounded: bool) -> WorldRow:
 
 
 def _of_text(
-    found: Worlds, ranking: Ranking | ProgramRanking, reading: Reading | None, *, as_json: bool
+    found: Worlds, ranking: "Ranking | ProgramRanking", reading: Reading | None, *, as_json: bool
 ) -> tuple[str, int]:
     """The worlds by a program text: of a scene where causes are not told."""
     answer: rows.ProgramWorlds = {"format": "worlds/1", "worlds": []}

@@ -11,7 +11,8 @@ from typing import Any, Literal, NamedTuple, TypedDict, cast
 import numpy as np
 from numpy.typing import NDArray
 
-from geometry.camera import Pose, camera_to_dict
+from geometry.camera import camera_to_dict
+from geometry.camera_row import Pose
 from kb.clouds.cloud import KnowledgeBase
 from plogic.base.clock import Stopwatch
 from plogic.base.errors import InputError

@@ -19,7 +19,7 @@ class Format(NamedTuple):
 
 def formats() -> dict[str, Format]:
     """Every format by its name."""
-    from geometry.camera import CameraRow
+    from geometry.camera_row import CameraRow
     from geometry.files.pose_files import MovesRow, PosesRow
     from plogic.facts.document import Interpretation, TruthRow
     from plogic.run.batch.frame_lines import FrameLine

@@ -33,8 +33,8 @@ def missing_command(source: str, name: str, kb_folder: str | None, *, as_json: b
     Raises:
         InputError: a program, an interpretation of another knowledge base, or no such type.
     """
+    from plogic.face.python.asking import opened
     from plogic.face.python.interpretation import Interpretation as Asked
-    from plogic.face.python.interpretation import opened
 
     asked = opened(source)
     if not isinstance(asked, Asked):

@@ -8,7 +8,8 @@ from typing import Literal, NotRequired, TypedDict, cast
 import numpy as np
 from numpy.typing import NDArray
 
-from geometry.camera import Camera, Pose, camera_from_dict
+from geometry.camera import Camera, camera_from_dict
+from geometry.camera_row import Pose
 from geometry.files.pose_files import read_moves
 from plogic.base.errors import InterpretationError
 from plogic.face.shown.options import Moves

@@ -6,14 +6,14 @@ from functools import cached_property
 from pathlib import Path
 from typing import Self
 
-from plogic.base.errors import LimitError
+from plogic.base.errors import InputError, LimitError
 from plogic.face.session.account_text import account_text
 from plogic.face.session.blocks import Block, Lines, Result
 from plogic.face.session.minds import ranked
 from plogic.face.session.results import Answers, Worlds
-from plogic.facts.situation import Stopped
+from plogic.facts.situation import Reading, Stopped
 from plogic.logic.served.engine import TOO_DEEP, Limits, Text
-from plogic.run.sources import program_text_of
+from plogic.run.sources import is_program, program_text_of
 from plogic.scene.asking.explanations import Account, Reason, explain, present
 from plogic.scene.asking.query import Subject, answers, answers_until, stopped_of
 from plogic.scene.readings.unfinished import with_notice
@@ -194,3 +194,26 @@ class Program(Asked):
 def literals(given: str | Sequence[str]) -> tuple[str, ...]:
     """One literal, or several."""
     return (given,) if isinstance(given, str) else tuple(given)
+
+
+def opened(
+    path: str | Path, reading: Reading | None = None, *, trust: bool = False, withhold: Sequence[str] = ()
+) -> Asked:
+    """Return what a file holds: a program, or an interpretation, in the other reading where one is named.
+
+    ``withhold``: the hypotheses of it whose poses nobody knows.
+
+    Raises:
+        Error: where it cannot be read.
+    """
+    if is_program(str(path)):
+        if withhold:
+            raise InputError(f"{path}: a program has no poses to withhold")
+        return Program.load(path, trust=trust)
+    from plogic.face.python.interpretation import Interpretation  # numpy and what is of scenes
+
+    found = Interpretation.load(path)
+    found = found if reading is None else found.read_as(reading)
+    found = found.withhold(*withhold) if withhold else found
+    found.trust = trust
+    return found

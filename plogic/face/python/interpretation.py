@@ -1,7 +1,7 @@
 """An interpretation for Python: what a picture shows, and everything that can be asked of it."""
 
 import base64
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
@@ -19,7 +19,6 @@ from plogic.facts import document as rows
 from plogic.facts import interpretation
 from plogic.facts.situation import DvOver, Reading, Situation
 from plogic.run.measured import Distinctive, Measure, measured
-from plogic.run.sources import is_program
 from plogic.scene.text.program_text import program_text, query_lines
 from sensing.files.whole_files import write_whole
 
@@ -347,24 +346,3 @@ def _interval(row: rows.Verdict | rows.WorldRow | rows.RelationRow) -> tuple[flo
 def _plain(h: Hypothesis) -> tuple[object, ...]:
     rest = {name: value for name, value in vars(h).items() if name != "T_camera_object"}
     return h.T_camera_object.tolist(), rest
-
-
-def opened(
-    path: str | Path, reading: Reading | None = None, *, trust: bool = False, withhold: Sequence[str] = ()
-) -> Asked:
-    """Return what a file holds: a program, or an interpretation, in the other reading where one is named.
-
-    ``withhold``: the hypotheses of it whose poses nobody knows.
-
-    Raises:
-        Error: where it cannot be read.
-    """
-    if is_program(str(path)):
-        if withhold:
-            raise InputError(f"{path}: a program has no poses to withhold")
-        return Program.load(path, trust=trust)
-    found = Interpretation.load(path)
-    found = found if reading is None else found.read_as(reading)
-    found = found.withhold(*withhold) if withhold else found
-    found.trust = trust
-    return found

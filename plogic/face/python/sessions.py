@@ -3,8 +3,7 @@
 from pathlib import Path
 from typing import Self
 
-from plogic.face.python.asking import Asked
-from plogic.face.python.interpretation import opened
+from plogic.face.python.asking import Asked, opened
 from plogic.face.session import session
 from plogic.facts.situation import Reading
 

@@ -8,7 +8,7 @@ import math
 import time
 from collections.abc import Callable, Sequence
 from dataclasses import replace
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from plogic.base.errors import InputError, OutsideError
 from plogic.face.session.results import World, Worlds
@@ -28,11 +28,12 @@ from plogic.logic.served.engine import (
 )
 from plogic.logic.served.outline import Outline, Predicate, outline_of, outline_request
 from plogic.scene.asking.explanations import Account, explain
-from plogic.scene.asking.live import LiveScene
 from plogic.scene.asking.query import Subject, answers, stopped_of, subject_text
 from plogic.scene.readings.unfinished import proved
-from plogic.scene.text.program_text import program_text
-from plogic.scene.worlds.ranked_worlds import Ranking, ranked_worlds
+
+if TYPE_CHECKING:
+    from plogic.scene.asking.live import LiveScene
+    from plogic.scene.worlds.ranked_worlds import Ranking
 
 DIRECTIVES = {"query", "evidence"}
 """Predicates that say what is asked, and that nobody asks for."""
@@ -158,8 +159,10 @@ class SceneMind(Asked):
         super().close()
         self._live = None
 
-    def _given(self, given: Sequence[str]) -> LiveScene:
+    def _given(self, given: Sequence[str]) -> "LiveScene":
         """The scene with this evidence; what it solved before, it remembers. After an interruption it is built anew."""
+        from plogic.scene.asking.live import LiveScene
+
         live, self._live = self._live or LiveScene(self.situation, limits=self.limits), None
         if live.given != tuple(given):
             live.unobserve()
@@ -216,6 +219,8 @@ class SceneMind(Asked):
 
     def _layers(self) -> list[tuple[str, tuple[str, ...]]]:
         layers: list[tuple[str, list[str]]] = []
+        from plogic.scene.text.program_text import program_text
+
         for line in program_text(self.situation).splitlines():
             if line.startswith(LAYER):
                 layers.append((line.split(") ", 1)[1], []))
@@ -235,7 +240,7 @@ def mind_of(subject: Subject, limits: Limits | None) -> Mind:
 
 def ranked(
     subject: Subject, n: int, given: Sequence[str], limits: Limits, seconds: float | None = None
-) -> tuple[Worlds, Ranking | ProgramRanking]:
+) -> "tuple[Worlds, Ranking | ProgramRanking]":
     """The ``n`` most probable worlds, with what is proved of a stopped search, and the ranking that they are from.
 
     That of a scene is by the program text where the evidence speaks of choices that the graph has summed out; causes
@@ -256,7 +261,7 @@ def ranked(
     return Worlds(rows, proved(stopped, ranking.unlisted), tuple(given), types, stopped, complete), ranking
 
 
-def _of_graph(ranking: Ranking) -> tuple[World, ...]:
+def _of_graph(ranking: "Ranking") -> tuple[World, ...]:
     return tuple(World(w.probability, w.present, w.causes, w.interval) for w in ranking.worlds)
 
 
@@ -275,8 +280,11 @@ def _of_text(
     return rows, found
 
 
-def _on_graph(situation: Situation, n: int, given: Sequence[str], seconds: float | None) -> Ranking:
+def _on_graph(situation: Situation, n: int, given: Sequence[str], seconds: float | None) -> "Ranking":
     """With a deadline, grounding the evidence included; what it takes then is left of the time."""
+    from plogic.scene.asking.live import LiveScene
+    from plogic.scene.worlds.ranked_worlds import ranked_worlds
+
     if not given:
         return ranked_worlds(situation, n, seconds=seconds)
     end = None if seconds is None else time.monotonic() + seconds

@@ -18,7 +18,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Annotated, Final, Literal, NotRequired, TypedDict
 
-from geometry.camera import Pose
+from geometry.camera_row import Pose
 from plogic.facts.document import HypothesisRow, Interpretation, KBRow, MomentRow, RejectedRow, Status, WorldRow
 from plogic.facts.fact_rows import Interval
 from plogic.facts.situation import Stopped, stopped_in

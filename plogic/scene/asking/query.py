@@ -2,7 +2,7 @@
 
 import time
 from collections.abc import Sequence
-from contextlib import nullcontext
+from contextlib import AbstractContextManager, nullcontext
 from dataclasses import replace
 
 from plogic.base.errors import LimitError, ProgramError, SituationError
@@ -10,8 +10,6 @@ from plogic.facts.situation import Situation, Stopped, names_of
 from plogic.logic.safety.atoms import Names
 from plogic.logic.served.engine import Answer, Limits, Text, run, run_until, unknown
 from plogic.scene.readings.unfinished import opened
-from plogic.scene.text.program_text import program_of
-from plogic.scene.worlds.blame import blaming
 
 Subject = Situation | Text
 """What is asked: an interpretation's situation, or a program of a user's own."""
@@ -78,7 +76,7 @@ def answers_to_all(
     limits: Limits | None = None,
 ) -> list[list[Answer]]:
     """As ``answers``, for many goals in one run. Of a situation, from its factor graph wherever that can say it."""
-    with blaming(subject) if isinstance(subject, Situation) else nullcontext():
+    with _blaming(subject):
         found = _on_graph(subject, goals, given, limits) if isinstance(subject, Situation) and goals else None
         if found is None:
             text, names = subject_text(subject)
@@ -105,8 +103,18 @@ def _on_graph(
         return None
 
 
+def _blaming(subject: Subject) -> AbstractContextManager[None]:
+    if isinstance(subject, Text):
+        return nullcontext()
+    from plogic.scene.worlds.blame import blaming
+
+    return blaming(subject)
+
+
 def subject_text(subject: Subject) -> tuple[Text, Names | None]:
     """The program of what is asked, and its names (a program of a user's own has none)."""
     if isinstance(subject, Text):
         return subject, None
+    from plogic.scene.text.program_text import program_of  # what is of scenes is not read for a program
+
     return program_of(subject), names_of(subject)

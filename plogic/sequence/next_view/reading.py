@@ -13,7 +13,7 @@ from typing import TypedDict, cast
 import numpy as np
 
 from geometry.arrays import Floats
-from geometry.camera import CameraRow, Pose
+from geometry.camera_row import CameraRow, Pose
 from geometry.errors import GeometryError
 from geometry.frames import inverse, is_rigid
 from geometry.visibility.rays import RayMesh
