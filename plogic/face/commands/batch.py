@@ -15,7 +15,7 @@ from geometry.errors import WhichCameraError
 from plogic.base.children import ending_well
 from plogic.face.shown.options import Batching
 from plogic.face.shown.progress import Progress
-from plogic.run.batch.frame_lines import ERROR, UNFINISHED, is_noted
+from plogic.run.batch.frame_lines import ERROR, UNFINISHED, is_empty, is_noted
 from plogic.run.batch.frames import Frame, Settings, checked, frames_of
 from plogic.run.batch.frames_run import Engine, Waiting, run, waiting_beside
 from plogic.run.batch.log import Log, check_out, check_same, left_over, log_at
@@ -88,6 +88,7 @@ def _run(
     count[NOTED] = 0
     before = {(line.input, line.frame) for line in (*log.written, *waiting.written)}
     progress = Frames(len(frames), len(frames) - len(before))
+    empty: list[Frame] = []
 
     def write(frame: Frame, status: str, line: bytes) -> None:
         log.write(line)
@@ -96,6 +97,7 @@ def _run(
         if status == ERROR:
             progress.say(_why(frame, line))
         count[NOTED] += is_noted(line)
+        empty.extend([frame] * is_empty(line))
         if (frame.input, frame.frame) not in before:
             progress.step(bad=status == ERROR)
 
@@ -106,6 +108,8 @@ def _run(
         progress.say(f"stopped; --resume goes on with {out}" if out != "-" else "stopped")
         raise
     progress.end()
+    if empty:
+        progress.say(_told_of(empty))
     progress.say(_summary(out, len(frames), len(frames) - len(before), count))
     return BAD if count[ERROR] else LATE if count[UNFINISHED] else 0
 
@@ -115,6 +119,13 @@ def _why(frame: Frame, line: bytes) -> str:
     first, *others = str(json.loads(line)["error"]).splitlines() or [""]
     named = first if first.startswith(frame.input) else f"{frame.name}: {first}"
     return named + (f" (and {len(others)} more)" if others else "")
+
+
+def _told_of(empty: Sequence[Frame]) -> str:
+    """How many frames have nothing in them, and where to ask why; a frame of a video or a dataset has no file."""
+    first = min(empty, key=lambda frame: frame.name)
+    ask = f" (plogic perceive {first.input}, with the same KB and camera, tells why)" if first.frame is None else ""
+    return f"nothing found in {len(empty)} frame{'s' * (len(empty) != 1)}, first {first.name}{ask}"
 
 
 def _summary(out: str, total: int, new: int, count: dict[str, int]) -> str:

@@ -166,6 +166,11 @@ def is_noted(line: bytes) -> bool:
     return b'"notes":[' in line
 
 
+def is_empty(line: bytes) -> bool:
+    """Whether a frame was perceived, and nothing in it accepted."""
+    return b'"status":"done"' in line and b'"status":"accepted"' not in line
+
+
 def _line(row: FrameLine) -> bytes:
     first = {"format": row["format"], "input": row["input"], "frame": row["frame"], "status": row["status"]}
     text = json.dumps({**first, **row}, ensure_ascii=False, allow_nan=False, separators=(",", ":"))

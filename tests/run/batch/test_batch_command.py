@@ -33,9 +33,21 @@ def test_off_a_terminal_stderr_has_the_bad_frames_and_one_line_at_the_end(alone)
         "frames/alone.png",
         "frames/bad.json",
         "frames/torn/image.png",
+        "nothing found in 5 frames, first frames/g0.json (plogic perceive frames/g0.json, with the same KB and camera, tells why)",
         "alone.jsonl",
     ]
     assert lines[-1] == "alone.jsonl: 8 frames, 3 bad"
+
+
+def test_frames_with_nothing_in_them_are_counted_and_the_first_is_named(frames, tmp_path):
+    gamma = json.loads((frames / "frames" / NAMES[2]).read_text(encoding="utf-8"))
+    for name in ("c.json", "b.json"):
+        (tmp_path / name).write_text(json.dumps(gamma | {"appearances": []}), encoding="utf-8")
+    run = plogic("batch", "b.json", "c.json", "--kb", str(frames / KB), "-o", "out.jsonl", cwd=tmp_path)
+    assert run.stderr.splitlines() == [
+        "nothing found in 2 frames, first b.json (plogic perceive b.json, with the same KB and camera, tells why)",
+        "out.jsonl: 2 frames",
+    ]
 
 
 @pytest.mark.parametrize("number", [3, 6], ids=lambda i: NAMES[i])
