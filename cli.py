@@ -261,6 +261,7 @@ def report(interpretation: str, out: str) -> None:
 )
 @click.option("--distance", type=Number(0.0, min_open=True), help="Metres from the camera to the middle of the scene.")
 @click.option("--size-px", type=click.IntRange(1, 2000), help="Instead: how long the largest thing is in the picture.")
+@click.option("--hiding", is_flag=True, help="One of the first two hides a part of the other.")
 @click.option("--gamma", is_flag=True, help="Write gamma.json, typed appearances by the KB's rates, and no picture.")
 @click.option("--seed", type=SEED, default=0, show_default=True)
 @click.option(
@@ -279,7 +280,8 @@ def simulate(kb_folder: str, seed: int, out: Path, **options: Any) -> None:
         raise click.UsageError("--gamma: makes no picture, and --bop is of pictures: leave one out")
     if not options["gamma"]:
         tell_without_physics(say)
-    wanted = Wanted(**{key: options.pop(key) for key in ("number", "decoys", "names", "distance", "size_px", "gamma")})
+    scene = "number", "decoys", "names", "distance", "size_px", "gamma", "hiding"
+    wanted = Wanted(**{key: options.pop(key) for key in scene})
     simulate_command(kb_folder, wanted, seed, out, say=say, **options)
     say(f"wrote {out}")
 

@@ -171,9 +171,17 @@ def query_command(
     def text() -> str:
         from plogic.face.shown import tables
 
-        return tables.text_of_table(tables.answers(document))
+        table = tables.text_of_table(tables.answers(document))
+        return table if found.answers or not found.complete else f"{table.rstrip()}\n\n{_none(source, goal)}\n"
 
     return _told(document, found, text, WITHIN if found.answers else NOTHING, as_json=as_json)
+
+
+def _none(source: str, goal: str | None) -> str:
+    """An empty answer in words."""
+    if goal is None and is_program(source):
+        return f"{source} asks nothing: it has no query/1, or none that holds; give a goal: plogic query {source} GOAL"
+    return "no answer: nothing of this form holds with positive probability"
 
 
 def explain_command(

@@ -24,7 +24,15 @@ from sensing.simulated.body import TexturedMesh, read_mesh
 from sensing.simulated.framing import Framing
 from sensing.simulated.physics import INSTALL, NO_PHYSICS, has_physics
 from sensing.simulated.robot import Robot, write_tour
-from sensing.simulated.scene import Scene, default_camera, json_bytes, random_scene, truth_to_dict, write_scene
+from sensing.simulated.scene import (
+    Placement,
+    Scene,
+    default_camera,
+    json_bytes,
+    random_scene,
+    truth_to_dict,
+    write_scene,
+)
 
 RING = "ring:"
 MOST_VIEWS = 360
@@ -38,7 +46,8 @@ class Wanted:
     """What is asked for of a scene besides the KB and the seed; ``number`` None: as many as are named, or two.
 
     ``names``: the types that may stand there, all where none is named. ``distance`` (m) of the camera, or ``size_px``
-    of the largest thing; one of them at most. ``gamma``: as Γ instead of a picture.
+    of the largest thing; one of them at most. ``gamma``: as Γ instead of a picture. ``hiding``: one of the first two
+    hides a part of the other.
     """
 
     number: int | None = None
@@ -47,6 +56,7 @@ class Wanted:
     distance: float | None = None
     size_px: int | None = None
     gamma: bool = False
+    hiding: bool = False
 
 
 def simulate_command(
@@ -85,6 +95,15 @@ def simulate_command(
         write_folder(out, _gamma_files(kb, seed)(scene))
     else:
         write_scene(scene, out)
+    if robot is None:
+        say(_told(scene, kb_folder, out, wanted))
+
+
+def _told(scene: Scene, kb_folder: str, out: Path, wanted: Wanted) -> str:
+    """What stands there, and the command that looks."""
+    labels = [body.label for body in scene.bodies if body.label is not None]
+    seen = str(out / "gamma.json") if wanted.gamma else f"{out / 'image.png'} --camera {out / 'camera.json'}"
+    return f"{', '.join(labels) or 'nothing known'} there; next: plogic perceive {seen} --kb {kb_folder} -o out.json"
 
 
 def _tour(scene: Scene, moves: str, out: Path, files: Callable[[Scene], Mapping[str, bytes]] | None) -> None:
@@ -124,7 +143,9 @@ def scene_of(
     chosen = drawn(standings, number, seed, named=bool(wanted.names), say=say)
     camera = default_camera()
     framing = _framing(kb, chosen or standings, camera.f, wanted, say)
-    return random_scene([(s.label, s.mesh) for s in chosen], seed, decoys=wanted.decoys, camera=camera, framing=framing)
+    placement: Placement = "hiding" if wanted.hiding else "beside"
+    shapes = [(s.label, s.mesh) for s in chosen]
+    return random_scene(shapes, seed, decoys=wanted.decoys, placement=placement, camera=camera, framing=framing)
 
 
 def _framing(

@@ -258,6 +258,16 @@ def _alternative(members: list[tuple[int, Choice]]) -> Alternative:
     )
 
 
+NOT_HERE = {
+    "t": "it is to be learned, and plogic asks programs whose probabilities are known; problog lfi learns them",
+    "?": "it is a decision, and plogic makes none; ProbLog's mode dt does",
+} | dict.fromkeys(
+    ("normal", "uniform", "beta", "gamma", "exponential", "poisson"),
+    "it is a distribution, and choices of plogic are discrete: give values with a probability each",
+)
+"""What labels that are no numbers are for, by their functors."""
+
+
 def share_of(label: Any, head: Any = None) -> float:  # noqa: ANN401 - terms of ProbLog's
     """The label of a head as a probability; what ProbLog accepts around 0 and 1 is rounded to them."""
     own, location = getattr(label, "location", None), getattr(head, "location", None)
@@ -265,7 +275,8 @@ def share_of(label: Any, head: Any = None) -> float:  # noqa: ANN401 - terms of 
     try:
         value = float(label)
     except (ProbLogError, ArithmeticError, TypeError, ValueError):
-        raise InvalidValue(f"{label} is not a probability: it is no number", location=location) from None
+        why = NOT_HERE.get(str(getattr(label, "functor", "")), "it is no number")
+        raise InvalidValue(f"{label} is not a probability: {why}", location=location) from None
     if not -1e-9 <= value <= 1.0 + 1e-9:
         raise InvalidValue(f"{label} is not a probability: it must be from 0 to 1", location=location)
     return min(max(value, 0.0), 1.0)

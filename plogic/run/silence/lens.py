@@ -33,6 +33,8 @@ def focal_doubt(document: Interpretation, camera: Camera) -> str:
     from geometry.poses.register import fitted_focal
 
     step, error = _together([fitted_focal(*one) for one in told if len(one[0]) >= FEWEST])
+    if abs(step) < max(APART, SURE * error):
+        return ""
     fitting = camera.f * exp(step)
     return (
         f"the accepted objects fit a focal length of {fitting:.0f} pixels (standard error {fitting * error:.0f}) better "

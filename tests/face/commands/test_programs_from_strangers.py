@@ -79,7 +79,7 @@ def test_choices_with_the_same_head_are_told_apart_by_their_lines(tmp_path):
     ("text", "said"),
     [
         ("x.\n 1.5::a :- x.\nquery(a).\n", "2:2: 1.5 is not a probability: it must be from 0 to 1"),
-        ("t(0.5)::a.\nquery(a).\n", "1:1: t(0.5) is not a probability: it is no number"),
+        ("t(0.5)::a.\nquery(a).\n", "1:1: t(0.5) is not a probability: it is to be learned"),
         ("q(1).q(2).\n", "1:5: Unexpected character '.'"),
         ("x.\nq(1).q(2).\n", "2:5: Unexpected character '.'"),
         (
