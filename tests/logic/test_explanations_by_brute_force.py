@@ -22,7 +22,7 @@ from problog.engine import DefaultEngine  # noqa: E402 - ProbLog is loaded first
 from problog.eval_nodes import NegativeCycle  # noqa: E402
 from problog.program import PrologString  # noqa: E402
 
-from plogic.logic.grounding.load import read  # noqa: E402
+from plogic.logic.grounding.load import goal_in, parsed, read  # noqa: E402
 from plogic.logic.proof.cone import Steps  # noqa: E402
 from plogic.logic.proof.goal_account import Accountant, Asked, Options  # noqa: E402
 from plogic.logic.proof.relevant_evidence import numbers_of  # noqa: E402
@@ -34,7 +34,7 @@ LAW = settings(derandomize=True, deadline=None, max_examples=60)
 def ground_goal(program, goal, given):
     """A program's text, a goal and evidence, grounded: what ``account`` takes."""
     _, statements, known = read([{"text": program, "file": "program"}], None, trust=False, marked=False)
-    wanted, *conditions = (prove._goal(text, "goal", known, statements, None, trust=False) for text in (goal, *given))
+    wanted, *conditions = (goal_in(parsed(text, "goal"), None, known, trust=False) for text in (goal, *given))
     return prove._ground(statements, wanted, conditions, trust=False)
 
 

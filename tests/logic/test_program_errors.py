@@ -11,7 +11,7 @@ from plogic.base.errors import (
     ProgramError,
     UnknownPredicateError,
 )
-from plogic.logic.served.program_child import serve
+from plogic.logic.served.program_child import reply_to, serve
 
 
 def asked(*texts, goals=()):
@@ -142,3 +142,72 @@ def test_a_goal_that_fails_in_the_run_is_told_where_it_stands():
     assert told(
         ProgramError, program, "c(X) :- b(X).\nd(Y) :- c(X),\n  Y is 1 / X.", goals=["a(0)", "d(Y)"]
     ).startswith("more.pl:3:5: Error")
+
+
+CLOSE = {
+    "0.4::heads1.\ntwo :- head1.\nquery(two).": "u.pl:2:8: no clauses for head1/0; the closest that is known: heads1/0",
+    "0.4::edge(1,2).\np(X) :- edge(X,_,_).\nquery(p(1)).": "u.pl:2:9: no clauses for edge/3; edge/2 is known",
+}
+
+
+@pytest.mark.parametrize("program", CLOSE)
+def test_the_closest_predicate_is_named(program):
+    assert told(UnknownPredicateError, program) == CLOSE[program]
+
+
+def test_a_goals_predicate_has_its_closest_too():
+    reason = told(UnknownPredicateError, "0.4::heads1.", goals=["heads"])
+    assert reason == "goal:1:1: no clauses for heads/0; the closest that is known: heads1/0"
+
+
+LABELS = {
+    "c.\n0.6::a; 0.7::b.\nquery(a).": "u.pl:2:6: the probabilities of an annotated disjunction add up to 1.3: they must not",
+    "c.\n0.6::a; 0.7::b :- d.\nd :- fail.\nquery(c).": "u.pl:2:6: the probabilities of an annotated disjunction add up to",
+    "c.\nt(_)::p.\nquery(c).": "u.pl:2:1: t(_) is not a probability: it is to be learned",
+    "c.\n?::u.\nquery(c).": "u.pl:2:1: ? is not a probability: it is a decision",
+    "c.\nnormal(0,1)::x.\nquery(c).": "u.pl:2:1: normal(0,1) is not a probability: it is a distribution",
+}
+
+
+@pytest.mark.parametrize("program", LABELS)
+def test_a_label_that_is_no_probability_is_told_whatever_is_asked(program):
+    assert told(ProgramError, program).startswith(LABELS[program])
+
+
+@pytest.mark.parametrize(
+    "program",
+    ["0.5::a; 0.5::b.\nquery(a).", "1/2::a; 1/2::b.\nquery(a).", "P::a; Q::b :- P = 0.5, Q = 0.5.\nquery(a)."],
+)
+def test_what_adds_up_to_1_is_a_disjunction(program):
+    assert asked(program) == [[("a", 0.5)]]
+
+
+def test_a_continuous_variable_is_said_to_be_none_of_plogics():
+    assert "choices of plogic are discrete" in told(UnknownPredicateError, "x(X) :- X ~ normal(0,1).\nquery(x(_)).")
+
+
+def reason_of(text, given=()):
+    return reply_to({"texts": [{"text": text, "file": "u.pl"}], "goals": ["a"], "given": list(given), "names": None})[
+        "error"
+    ]["reason"]
+
+
+@pytest.mark.parametrize(
+    ("program", "given", "said"),
+    [
+        ("0.5::a.\nb :- a, \\+ a.\nevidence(b).", (), "; evidence(b) (u.pl:3) alone is impossible"),
+        (
+            "0.5::a.\n0.5::b.\nevidence(b).\nevidence(a).\nevidence(\\+ a).",
+            (),
+            "; evidence(a) (u.pl:4) and evidence(\\+ a) (u.pl:5) exclude each other",
+        ),
+        ("0.5::a.\nevidence(a, false).", ("a",), "; evidence(a, false) (u.pl:2) and --given a exclude each other"),
+        (
+            "0.5::a.\n0.5::b.\nc :- \\+ a.\nc :- \\+ b.\nevidence(a).\nevidence(b).\nevidence(c).",
+            (),
+            "its probability is 0",
+        ),
+    ],
+)
+def test_impossible_evidence_is_named(program, given, said):
+    assert reason_of(program, given).endswith(said)

@@ -8,6 +8,7 @@ from plogic.base.errors import InconsistentError, UnknownPredicateError
 from plogic.face.session.account_text import account_text
 from plogic.logic.served.engine import Text
 from plogic.scene.asking.explanations import explain
+from plogic.scene.asking.query import unknown_names
 
 pytestmark = pytest.mark.usefixtures("programs_run_here")
 
@@ -100,3 +101,34 @@ def test_evidence_that_is_apart_must_be_possible_too():
     program = Text("0.5::a. 0.5::b. c :- b, \\+ b. evidence(c).")
     with pytest.raises(InconsistentError):
         explain(program, "a")
+
+
+PARTS = Text("""
+part(h1, 'roof/apex'). part(h1, 'roof/edge'). part(h2, body). hypothesis(h1, tower). hypothesis(h2, box). 0.9::seen('roof/edge').
+cause(H, F) :- claims(H, F), seen(F).
+claims(H, F) :- part(H, F), hypothesis(H, _).
+kind(H, T) :- hypothesis(H, T).
+""")
+
+
+@pytest.mark.parametrize(
+    ("goal", "said"),
+    [
+        ("kind(X, towr)", ("towr is unknown as argument 2 of kind/2; closest are tower",)),
+        ("cause(h1, roof/apex)", ("roof/apex is no name: one with a / is written in quotes, 'roof/apex'",)),
+        (
+            "cause(h1, 'roof/apx')",
+            ("'roof/apx' is unknown as argument 2 of cause/2; closest are 'roof/apex', 'roof/edge'",),
+        ),
+        ("cause(h3, F)", ("h3 is unknown as argument 1 of cause/2; closest are h2, h1",)),
+        ("cause(h1, 'roof/apex')", ()),
+        ("cause(h1, body)", ()),
+    ],
+)
+def test_query_and_explain_name_the_same_unknown_constants(goal, said):
+    assert unknown_names(PARTS, goal) == said
+    assert explain(PARTS, goal).notes == said
+
+
+def test_what_anything_may_be_has_no_unknown_names():
+    assert unknown_names(Text("p(X) :- X = b. p(a)."), "p(c)") == ()

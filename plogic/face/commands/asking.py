@@ -22,6 +22,7 @@ from plogic.logic.safety.atoms import quoted
 from plogic.logic.served.engine import TOO_DEEP, ProgramRanking
 from plogic.run.sources import is_program
 from plogic.scene import document as rows
+from plogic.scene.asking.query import unknown_names
 from plogic.scene.readings.unfinished import flagged, marks, with_notice
 
 if TYPE_CHECKING:
@@ -172,7 +173,12 @@ def query_command(
         from plogic.face.shown import tables
 
         table = tables.text_of_table(tables.answers(document))
-        return table if found.answers or not found.complete else f"{table.rstrip()}\n\n{_none(source, goal)}\n"
+        if not found.complete or any(a.interval[1] > 0 for a in found.answers):
+            return table
+        said = [] if found.answers else [_none(source, goal)]
+        if goal is not None:
+            said += unknown_names(asked.beside(options.rules), goal, limits=asked.limits)
+        return "\n".join([table.rstrip(), "", *said, ""]) if said else table
 
     return _told(document, found, text, WITHIN if found.answers else NOTHING, as_json=as_json)
 

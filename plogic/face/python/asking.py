@@ -3,10 +3,11 @@
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
+from json import JSONDecodeError
 from pathlib import Path
 from typing import Self
 
-from plogic.base.errors import InputError, LimitError
+from plogic.base.errors import InputError, InterpretationError, LimitError
 from plogic.face.session.account_text import account_text
 from plogic.face.session.blocks import Block, Lines, Result
 from plogic.face.session.minds import ranked
@@ -212,7 +213,12 @@ def opened(
         return Program.load(path, trust=trust)
     from plogic.face.python.interpretation import Interpretation  # numpy and what is of scenes
 
-    found = Interpretation.load(path)
+    try:
+        found = Interpretation.load(path)
+    except InterpretationError as error:
+        if not isinstance(error.__context__, JSONDecodeError):
+            raise
+        raise InterpretationError(f"{error}; a program's name ends in .pl, .problog or .pro") from None
     found = found if reading is None else found.read_as(reading)
     found = found.withhold(*withhold) if withhold else found
     found.trust = trust

@@ -20,7 +20,12 @@ SEED = click.IntRange(0)
 MODES = click.Choice(["to_B", "drop", "reassign"])
 INTERPRETATION = click.argument("interpretation", metavar="INTERPRETATION")
 SOURCE = click.argument("source", metavar="INTERPRETATION|PROGRAM.pl")
-GIVEN = click.option("--given", multiple=True, metavar="EVIDENCE", help="A literal that is observed; may be repeated.")
+GIVEN = click.option(
+    "--given",
+    multiple=True,
+    metavar="EVIDENCE",
+    help="A literal that is observed; may be repeated. Of one with variables some instance holds.",
+)
 RULES = click.option("--rules", type=click.Path(), help="A file of your own rules.")
 READING = click.option(
     "--reading", type=READINGS, help="The other reading of the same Δh (default: the interpretation's own)."

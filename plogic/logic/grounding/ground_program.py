@@ -19,6 +19,7 @@ from problog.logic import Term
 
 from plogic.base.bounds import SLACK
 from plogic.base.walk import by_key
+from plogic.logic.safety.labels import NOT_HERE, adding_up
 
 TRUE = 0
 FALSE = None
@@ -242,10 +243,7 @@ def _alternative(members: list[tuple[int, Choice]]) -> Alternative:
             (name.location for name in (choice.name() for _, choice in members) if getattr(name, "location", None)),
             None,
         )
-        total = f"{math.fsum(shares):.12g}"
-        raise InvalidValue(
-            f"the probabilities of an annotated disjunction add up to {total}: they must not exceed 1", location=place
-        )
+        raise InvalidValue(adding_up(math.fsum(shares)), location=place)
     if len(members) > 1 and rest < SLACK:
         rest = 0.0
     return Alternative(
@@ -256,16 +254,6 @@ def _alternative(members: list[tuple[int, Choice]]) -> Alternative:
         members[0][1].group,
         tuple(choice.number for _, choice in members),
     )
-
-
-NOT_HERE = {
-    "t": "it is to be learned, and plogic asks programs whose probabilities are known; problog lfi learns them",
-    "?": "it is a decision, and plogic makes none; ProbLog's mode dt does",
-} | dict.fromkeys(
-    ("normal", "uniform", "beta", "gamma", "exponential", "poisson"),
-    "it is a distribution, and choices of plogic are discrete: give values with a probability each",
-)
-"""What labels that are no numbers are for, by their functors."""
 
 
 def share_of(label: Any, head: Any = None) -> float:  # noqa: ANN401 - terms of ProbLog's

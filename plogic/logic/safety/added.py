@@ -11,10 +11,8 @@ from collections.abc import Collection, Iterator
 from dataclasses import dataclass
 from typing import Any
 
-from problog.errors import ProbLogError
 from problog.logic import And, AnnotatedDisjunction, Clause, Constant, Or, Term, Var
 
-from plogic.base.bounds import SLACK
 from plogic.base.errors import NegativeCycleError, ProgramError
 from plogic.logic.safety.allowlist import LOADERS, META, SPECIAL_HEADS
 from plogic.logic.safety.atoms import Names
@@ -123,7 +121,6 @@ def mistakes(source: Source, known: frozenset[str]) -> Iterator[Mistake]:
         if is_directive(statement) and statement.body.signature not in LOADERS | {"consult/1"}:
             yield ProgramError, f"a clause without a head does nothing: write constraint(name) :- {body}.", body
         found = heads(statement)
-        yield from _labels(found)
         for head in found:
             if head.signature == "query/1":
                 yield ProgramError, "query/1: rules do not ask (ask with a goal: plogic query)", head
@@ -134,30 +131,6 @@ def mistakes(source: Source, known: frozenset[str]) -> Iterator[Mistake]:
     yield from _without_constraint(source, known)
     yield from _contradictory(source)
     yield from _negative_cycles(source)
-
-
-def _labels(found: list[Any]) -> Iterator[Mistake]:
-    """Probabilities that are no probabilities, alone or together."""
-    labels = [(head, _value(head.probability)) for head in found if isinstance(head, Term)]
-    numbers = [value for _, value in labels if value is not None]
-    for head, value in labels:
-        if value is not None and not 0.0 <= value <= 1.0:
-            yield ProgramError, f"{head.probability} is not a probability: it must be from 0 to 1", head
-    if sum(numbers) > 1.0 + SLACK and all(0.0 <= value <= 1.0 for value in numbers):
-        total = f"{sum(numbers):.12g}"
-        yield (
-            ProgramError,
-            f"the probabilities of an annotated disjunction add up to {total}: they must not exceed 1",
-            found[0],
-        )
-
-
-def _value(label: Any) -> float | None:  # noqa: ANN401 - a term of ProbLog's
-    """A label's number; None where it is none yet."""
-    try:
-        return None if label is None else float(label)
-    except (ProbLogError, ArithmeticError, TypeError, ValueError):
-        return None
 
 
 def _of_evidence(head: Any, body: Any) -> Iterator[str]:  # noqa: ANN401 - terms of ProbLog's

@@ -16,6 +16,7 @@ from problog.logic import And, AnnotatedDisjunction, Clause, Constant, Not, Or, 
 from problog.program import PrologString
 
 from plogic.base.errors import ProgramError, UnknownPredicateError, UnsafeProgramError
+from plogic.logic.safety import labels
 from plogic.logic.safety.allowlist import (
     GOALS,
     LIBRARIES,
@@ -26,6 +27,7 @@ from plogic.logic.safety.allowlist import (
     META,
     SPECIAL_HEADS,
 )
+from plogic.logic.safety.closest import closest
 
 LONGEST_TEXT = 20_000_000
 """Characters that a program may have."""
@@ -208,6 +210,8 @@ class _Checker:
             return
         for head in found:
             self.head(head)
+        for term, reason in labels.mistaken(found):
+            self.note(ProgramError, term, reason)
         if isinstance(statement, (Clause, AnnotatedDisjunction)):
             self.goal(statement.body, 0)
 
@@ -250,7 +254,8 @@ class _Checker:
                 f"{signature} is not allowed: {LOADING if signature in FILE_LOADERS else REASON}",
             )
         elif self.callable is not None and signature not in GOALS | LISTS | self.callable | frozenset(LIBRARY_META):
-            self.note(UnknownPredicateError, goal, f"no clauses for {signature}")
+            hint = closest(signature, self.callable - SPECIAL_HEADS)
+            self.note(UnknownPredicateError, goal, f"no clauses for {signature}{hint}")
 
     def loads_a_library(self, goal: Any) -> bool:  # noqa: ANN401 - a term of ProbLog's
         """Whether a loader names a pure library, or something that only the run can tell."""

@@ -35,8 +35,19 @@ from plogic.base.errors import (
     UnknownPredicateError,
     UnsafeProgramError,
 )
-from plogic.logic.safety.allowlist import EVALUATORS, GOALS, LIBRARY_FILES, LIBRARY_META, LISTS, LOADERS, LOUD, META
+from plogic.logic.safety.allowlist import (
+    EVALUATORS,
+    GOALS,
+    LIBRARY_FILES,
+    LIBRARY_META,
+    LISTS,
+    LOADERS,
+    LOUD,
+    META,
+    SPECIAL_HEADS,
+)
 from plogic.logic.safety.check import Source, heads, is_directive, parse, together, with_place
+from plogic.logic.safety.closest import closest
 
 FOLDER = problog.root_path("problog", "library")
 """ProbLog's own library; nothing outside it is ever opened."""
@@ -268,6 +279,7 @@ OFFERED = {
 """Signature → the library that defines it."""
 NONE_SUCH = {
     "!/0": "ProbLog has no cut: let each clause say when it holds, or see library(cut)",
+    **dict.fromkeys(("~/2", "normal/2"), "choices of plogic are discrete: give values with a probability each"),
     "->/2": "ProbLog has no if-then-else: write (Condition, Then ; \\+ Condition, Else)",
 }
 
@@ -298,8 +310,13 @@ def told(error: Exception, texts: list[dict[str, str]], db: Any = None) -> NoRet
 
 def _reason(error: ProbLogError, place: dict[str, Any], texts: list[dict[str, str]], db: Any) -> str:  # noqa: ANN401
     if isinstance(error, UnknownClause):
-        first = unknown(error.signature)
-        more = [] if db is None else [line for line in _unknown_calls(db, texts) if line != with_place(first, place)]
+        defined = _defined(texts)
+        first = unknown(error.signature, defined)
+        more = (
+            []
+            if db is None
+            else [line for line in _unknown_calls(db, texts, defined) if line != with_place(first, place)]
+        )
         return together(first, more)
     if isinstance(error, NegativeCycle):
         cycle = spelt_cycle(_sources(texts), place, NEGATED)
@@ -314,15 +331,21 @@ def _reason(error: ProbLogError, place: dict[str, Any], texts: list[dict[str, st
     return _one_line(error.base_message)
 
 
-def unknown(signature: str) -> str:
-    """What to say of a call to a predicate without clauses."""
+def _defined(texts: list[dict[str, str]]) -> frozenset[str]:
+    """The signatures of all heads of the texts."""
+    found = [head for source in _sources(texts) for statement in source.statements for head in heads(statement)]
+    return frozenset(head.signature for head in found) - SPECIAL_HEADS
+
+
+def unknown(signature: str, defined: frozenset[str]) -> str:
+    """What to say of a call to a predicate without clauses, beside those that are ``defined``."""
     plain = signature.replace("'", "")
     library = OFFERED.get(plain)
     hint = NONE_SUCH.get(plain) or (library and f":- use_module(library({library})) would define it")
-    return f"no clauses for {plain}" + (f" ({hint})" if hint else "")
+    return f"no clauses for {plain}" + (f" ({hint})" if hint else closest(plain, defined))
 
 
-def _unknown_calls(db: Any, texts: list[dict[str, str]]) -> list[str]:  # noqa: ANN401 - a ClauseDB
+def _unknown_calls(db: Any, texts: list[dict[str, str]], defined: frozenset[str]) -> list[str]:  # noqa: ANN401 - a ClauseDB
     """Every call in the texts to a predicate without clauses, with its place, in the order of the texts."""
     files = [item["file"] for item in texts]
     calls = [
@@ -332,7 +355,7 @@ def _unknown_calls(db: Any, texts: list[dict[str, str]]) -> list[str]:  # noqa: 
     ]
     spots = ((node, db.lineno(node.location, force_filename=True)) for node in calls)
     found = (
-        (files.index(spot[0]), spot[1], spot[2], unknown(f"{node.functor}/{len(node.args)}"))
+        (files.index(spot[0]), spot[1], spot[2], unknown(f"{node.functor}/{len(node.args)}", defined))
         for node, spot in spots
         if spot is not None and spot[0] in files
     )

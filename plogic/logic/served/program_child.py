@@ -39,7 +39,7 @@ def main() -> None:
 
 def reply_to(request: dict[str, Any], tell: Tell | None = None) -> dict[str, Any]:
     """The reply to one request, or the error that it came to; ``tell`` gets what is known on the way."""
-    from plogic.base.errors import BeliefError, ProgramError
+    from plogic.base.errors import BeliefError, InconsistentError, ProgramError
 
     sys.setrecursionlimit(5000)
     file = request["texts"][0]["file"]
@@ -48,6 +48,11 @@ def reply_to(request: dict[str, Any], tell: Tell | None = None) -> dict[str, Any
     except ProgramError as error:
         places = {"file": error.file, "line": error.line, "column": error.column}
         return {"error": {"kind": type(error).__name__, "reason": error.reason, **places}}
+    except InconsistentError as error:
+        from plogic.logic.answers.impossible import blamed
+
+        more = blamed(request)
+        return {"error": {"kind": "InconsistentError", "reason": f"{error}; {more}" if more else str(error)}}
     except BeliefError as error:
         return {"error": {"kind": type(error).__name__, "reason": str(error)}}
     except MemoryError:
@@ -78,10 +83,10 @@ def serve(request: dict[str, Any], tell: Tell | None = None) -> dict[str, Any]:
             from plogic.logic.answers.state_ranking import ranked
 
             return ranked(request, tell)
-        case "prove":
-            from plogic.logic.served.prove import prove
+        case "prove" | "names" as task:
+            from plogic.logic.served.prove import notes, prove
 
-            return prove(request)
+            return prove(request) if task == "prove" else notes(request)
         case "formula":
             from plogic.logic.served.goal_formulas import formulas
 

@@ -9,32 +9,18 @@ from typing import Any
 
 from problog.errors import ProbLogError
 
-from plogic.base.errors import UnknownPredicateError
 from plogic.logic.answers.answer import answers_to
 from plogic.logic.grounding.load import goal_in, parsed, read
 from plogic.logic.grounding.load import variables as variables_of
 from plogic.logic.proof.goal_account import Options, account
 from plogic.logic.proof.ground_proofs import Grounding
-from plogic.logic.proof.rewrite import Rewriter, Rules, defined_by
+from plogic.logic.proof.rewrite import Rewriter, Rule, Rules, defined_by
 from plogic.logic.proof.terms import Ref, Small, is_atom, signature, small, text
 from plogic.logic.safety.atoms import Names
 from plogic.logic.safety.guarded_engine import engine_for, told
 
-MOST_LISTED = 8
-
-
-def unknown_predicate(goal: Any, defined: set[tuple[str, int]]) -> str:  # noqa: ANN401 - a term of ProbLog's
-    """``; present/1 is known``, or the closest names."""
-    wanted = next((s for s in map(signature, _atoms(small(goal, {}))) if s not in defined), None)
-    if wanted is None:
-        return ""
-    arities = sorted(arity for name, arity in defined if name == wanted[0])
-    if arities:
-        return f"; {', '.join(f'{wanted[0]}/{arity}' for arity in arities)} is known"
-    public = sorted({name for name, _ in defined if not name.startswith("_")})
-    close = get_close_matches(wanted[0], public, n=3, cutoff=0.6)
-    names = [f"{name}/{arity}" for name in close for known, arity in sorted(defined) if known == name]
-    return f"; the closest that is known: {', '.join(names)}" if names else ""
+MOST_LISTED, DEEP = 8, 20
+Above = frozenset[tuple[tuple[str, int], int]]
 
 
 def unknown_names(goal: Small, rules: Rules, names: Names | None) -> list[str]:
@@ -42,12 +28,12 @@ def unknown_names(goal: Small, rules: Rules, names: Names | None) -> list[str]:
 
     A hypothesis is no unknown name, though no fact at this place speaks of it.
     """
-    hypotheses = _at(rules, ("hypothesis", 2), 1)
+    hypotheses = _at(rules, ("hypothesis", 2), 1) or set()
     places = (
-        (atom, i, argument, _at(rules, signature(atom), i))
+        (atom, i, argument, _known(rules, signature(atom), i, argument))
         for atom in _atoms(goal)
         for i, argument in enumerate(atom[1:], 1)
-        if is_atom(argument) and isinstance(argument, tuple)
+        if isinstance(argument, tuple) and (is_atom(argument) or signature(argument) == ("/", 2))
     )
     return [
         _note(atom, i, argument, sorted(text(k, names) for k in known), names)
@@ -56,8 +42,19 @@ def unknown_names(goal: Small, rules: Rules, names: Names | None) -> list[str]:
     ]
 
 
+def _known(rules: Rules, wanted: tuple[str, int], place: int, argument: Small) -> set[Small] | None:
+    """What may stand at a place: by facts; of a name that stands nowhere else in the program, by rules too."""
+    near = _at(rules, wanted, place)
+    found = [head for rule in rules.by_number.values() for head in rule.heads]
+    if near is not None or any(argument in head[1:] for head in found):
+        return near
+    return _at(rules, wanted, place, DEEP)
+
+
 def _note(atom: Small, place: int, argument: Small, known: list[str], names: Names | None) -> str:
     said = text(argument, names)
+    if not is_atom(argument) and f"'{said}'" in known:
+        return f"{said} is no name: one with a / is written in quotes, '{said}'"
     close = get_close_matches(said, known, n=3, cutoff=0.5)
     listed = close or known[:MOST_LISTED]
     more = "" if close or len(known) <= MOST_LISTED else f", ... ({len(known)} in all)"
@@ -66,30 +63,39 @@ def _note(atom: Small, place: int, argument: Small, known: list[str], names: Nam
     return f"{said} is unknown as argument {place} of {name}/{arity}; {which} {', '.join(listed)}{more}"
 
 
-def _at(rules: Rules, wanted: tuple[str, int], place: int) -> set[Small]:
-    """The constants at a place of a predicate's heads.
+def _at(
+    rules: Rules, wanted: tuple[str, int], place: int, levels: int = 0, above: Above = frozenset()
+) -> set[Small] | None:
+    """The constants that may stand at a place of a predicate's heads; None if some head has anything there.
 
-    Nothing if some head has a variable there and its rule gives no hint.
+    ``above``: the places that are looked at already, ``levels`` of them at most.
     """
     found: set[Small] = set()
+    if wanted in rules.opaque:
+        return None
     for rule, index in rules.by_signature.get(wanted, ()):
         argument = rule.heads[index][place]
         if is_atom(argument):
             found.add(argument)
         elif not isinstance(argument, tuple):
-            found |= _bound(rules, rule, argument, wanted)
+            here = above | {(wanted, place)}
+            bound = _bound(rules, rule, argument, levels, here) if len(here) <= levels else None
+            if bound is None:
+                return None
+            found |= bound
     return found
 
 
-def _bound(rules: Rules, rule: Any, variable: Small, wanted: tuple[str, int]) -> set[Small]:  # noqa: ANN401 - a Rule
-    """What facts may bind a head's variable to: those of the first condition that mentions it."""
+def _bound(rules: Rules, rule: Rule, variable: Small, levels: int, above: Above) -> set[Small] | None:
+    """What the first condition that says it may bind a head's variable to."""
     for literal in rule.literals:
-        if literal.kind == "atom" and signature(literal.goal) != wanted:
-            for i, argument in enumerate(literal.goal[1:], 1):
-                if argument is variable:
-                    heads = [r.heads[k] for r, k in rules.by_signature.get(signature(literal.goal), ())]
-                    return {head[i] for head in heads if is_atom(head[i])}
-    return set()
+        for i, argument in enumerate(literal.ask[1:], 1):
+            if literal.kind in ("atom", "part") and argument is variable:
+                if (signature(literal.ask), i) in above:
+                    return set()
+                if (found := _at(rules, signature(literal.ask), i, levels, above)) is not None:
+                    return found
+    return None
 
 
 def _atoms(goal: Small) -> Iterator[Small]:
@@ -110,8 +116,8 @@ def prove(request: dict[str, Any]) -> dict[str, Any]:
     trust, atoms = bool(request.get("trust")), request["names"]
     names = None if atoms is None else Names.of(atoms)
     _, statements, known = read(request["texts"], names, trust=trust, marked=False)
-    goal = _goal(request["goals"][0], "goal", known, statements, names, trust=trust)
-    given = [_goal(text, "given", known, statements, names, trust=trust) for text in request["given"]]
+    goal = goal_in(parsed(request["goals"][0], "goal"), names, known, trust=trust)
+    given = [goal_in(parsed(text, "given"), names, known, trust=trust) for text in request["given"]]
     try:
         ground, ask, shown_goal = _ground(statements, goal, given, trust=trust, folder=request.get("folder", "."))
         reply = account(ground, ask, shown_goal, Options(request.get("most", 5), SEARCH_STEPS, names))
@@ -123,21 +129,16 @@ def prove(request: dict[str, Any]) -> dict[str, Any]:
     return reply
 
 
-def _goal(
-    text: str, file: str, known: frozenset[str], statements: list[Any], names: Names | None, *, trust: bool
-) -> Any:  # noqa: ANN401
-    """The goal as ProbLog's term, labels mapped.
-
-    A predicate that nobody defines is answered with what would be right.
-    """
-    source = parsed(text, file)
-    try:
-        return goal_in(source, names, known, trust=trust)
-    except UnknownPredicateError as error:
-        hint = unknown_predicate(source.statements[0], defined_by(statements))
-        raise UnknownPredicateError(
-            f"{error.reason}{hint}", file=error.file, line=error.line, column=error.column
-        ) from None
+def notes(request: dict[str, Any]) -> dict[str, Any]:
+    """``{"notes": [...]}``: the unknown names of a goal, of a program that is read and not run."""
+    trust, atoms = bool(request.get("trust")), request["names"]
+    names = None if atoms is None else Names.of(atoms)
+    _, statements, known = read(request["texts"], names, trust=trust, marked=False)
+    rewriter = Rewriter(defined_by(statements))
+    for statement in statements:
+        rewriter.statement(statement)
+    goal = goal_in(parsed(request["goals"][0], "goal"), names, known, trust=trust)
+    return {"notes": unknown_names(small(goal, {}), rewriter.rules, names)}
 
 
 def _ground(

@@ -8,7 +8,7 @@ from dataclasses import replace
 from plogic.base.errors import LimitError, ProgramError, SituationError
 from plogic.facts.situation import Situation, Stopped, names_of
 from plogic.logic.safety.atoms import Names
-from plogic.logic.served.engine import Answer, Limits, Text, run, run_until, unknown
+from plogic.logic.served.engine import Answer, Limits, Text, ask, request_of, run, run_until, unknown
 from plogic.scene.readings.unfinished import opened
 
 Subject = Situation | Text
@@ -82,6 +82,15 @@ def answers_to_all(
             text, names = subject_text(subject)
             found = run([text], goals, given, names=names, limits=limits)
     return [opened(stopped_of(subject), some) for some in found]
+
+
+def unknown_names(subject: Subject, goal: str, *, limits: Limits | None = None) -> tuple[str, ...]:
+    """A sentence for each constant of a goal that occurs nowhere at its place, with what is close."""
+    text, names = subject_text(subject)
+    try:
+        return tuple(ask({**request_of([text], [goal], (), names), "task": "names"}, limits or Limits())["notes"])
+    except LimitError:
+        return ()
 
 
 def _on_graph(

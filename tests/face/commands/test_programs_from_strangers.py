@@ -169,3 +169,27 @@ def test_worlds_given_what_a_scenes_graph_sums_out(scene):
     sure = document("worlds", scene, "--given", "pick(h1, X), present(h1)", "--json")
     assert sum(w["probability"] for w in answer["worlds"]) + answer["unlisted_mass"][1] == pytest.approx(1)
     assert [w["present"] for w in sure["worlds"]] == [["h1", "h2"], ["h1"]]
+
+
+def test_a_name_that_occurs_nowhere_is_told_below_an_empty_table(tmp_path):
+    file = written(tmp_path, "kind(h1, tower).\n0.5::there(h1).\nobject(X, T) :- kind(X, T), there(X).\n")
+    lines = plogic("query", file, "object(X, towr)").stdout.splitlines()
+    assert lines[-2:] == [
+        "no answer: nothing of this form holds with positive probability",
+        "towr is unknown as argument 2 of object/2; closest are tower",
+    ]
+    assert document("query", file, "object(X, towr)", "--json") == {"format": "answers/1", "answers": []}
+
+
+@pytest.mark.parametrize("command", ["query", "worlds"])
+def test_a_program_of_another_name_is_told_what_names_programs_have(command, tmp_path):
+    file = written(tmp_path, "0.4::a.\nquery(a).\n", "coins.txt")
+    assert refusal(command, file).endswith(
+        "coins.txt:1:4: is no JSON: Extra data; a program's name ends in .pl, .problog or .pro"
+    )
+
+
+def test_given_with_a_variable_is_of_some_instance_and_a_programs_evidence_of_all(tmp_path):
+    coins = "0.5::heads(a).\n0.5::heads(b).\nquery(heads(a)).\n"
+    assert answered(written(tmp_path, coins), "--given", "heads(X)") == {"heads(a)": pytest.approx(2 / 3)}
+    assert answered(written(tmp_path, f"{coins}evidence(heads(X)).\n")) == {"heads(a)": 1.0}

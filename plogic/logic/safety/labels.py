@@ -1,0 +1,54 @@
+"""Labels that are no probabilities, as they are written: numbers, alone or together, and what other tools ask for."""
+
+from collections.abc import Iterator
+from typing import Any
+
+from problog.errors import ProbLogError
+from problog.logic import Term, Var
+
+from plogic.base.bounds import SLACK
+
+NOT_HERE = {
+    "t": "it is to be learned, and plogic asks programs whose probabilities are known; problog lfi learns them",
+    "?": "it is a decision, and plogic makes none; ProbLog's mode dt does",
+} | dict.fromkeys(
+    ("normal", "uniform", "beta", "gamma", "exponential", "poisson"),
+    "it is a distribution, and choices of plogic are discrete: give values with a probability each",
+)
+"""What labels that are no numbers are for, by their functors."""
+
+
+def mistaken(found: list[Any]) -> Iterator[tuple[Any, str]]:
+    """What is wrong with the labels of one statement's heads, with the term; what only a run can tell is left out."""
+    labels = [(head, head.probability) for head in found if isinstance(head, Term) and head.probability is not None]
+    numbers = [(head, label, number_of(label)) for head, label in labels]
+    wrong = [
+        (label if getattr(label, "location", None) else head, why)
+        for head, label, value in numbers
+        if (why := _wrong(label, value))
+    ]
+    yield from wrong
+    total = sum(value for _, _, value in numbers if value is not None)
+    if not wrong and total > 1.0 + SLACK:
+        yield found[0], adding_up(total)
+
+
+def adding_up(total: float) -> str:
+    """What to say of an annotated disjunction over 1."""
+    right = "; choices that are independent of each other end with a full stop each"
+    return f"the probabilities of an annotated disjunction add up to {total:.12g}: they must not exceed 1{right}"
+
+
+def number_of(label: Any) -> float | None:  # noqa: ANN401 - a term of ProbLog's
+    """A label's number; None where it is none yet."""
+    try:
+        return float(label)
+    except (ProbLogError, ArithmeticError, TypeError, ValueError):
+        return None
+
+
+def _wrong(label: Any, value: float | None) -> str:  # noqa: ANN401 - a term of ProbLog's
+    if value is None:
+        why = "" if isinstance(label, Var) else NOT_HERE.get(str(getattr(label, "functor", "")), "")
+        return why and f"{label} is not a probability: {why}"
+    return "" if -1e-9 <= value <= 1.0 + 1e-9 else f"{label} is not a probability: it must be from 0 to 1"
