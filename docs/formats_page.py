@@ -1,6 +1,7 @@
 """The text of docs/formats.md: every format with an example, and every key with what it is and means.
 
-All of it is read from the shapes that the readers hold documents to, and from the files in examples/formats.
+All of it is read from the shapes that the readers hold documents to, and from the files in examples/formats;
+of kb.yaml and object.yaml: ``kb_page``.
 """
 # ruff: noqa: INP001 - a script, no package
 
@@ -8,6 +9,8 @@ from __future__ import annotations
 
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, get_args, is_typeddict
+
+from kb_page import sections
 
 from geometry.files.json_schema import name_of, summary
 from geometry.json_shapes import Row, described, options_of, parts_of
@@ -23,8 +26,8 @@ Written by `python docs/generate.py` from the shapes that the commands hold file
 
 Metres and radians. Camera frame: x right, y down, z forward; an integer pixel is a pixel's centre. World: z up. Poses are
 4x4, row by row, and are named by their frames: `T_camera_object` maps object coordinates to camera coordinates
-([conventions](conventions.md)). The files of a knowledge base are YAML: [knowledge bases](knowledge-bases.md),
-`plogic kb schema`.
+([conventions](conventions.md)). The files of a knowledge base are YAML: [kb.yaml](#file-kbyaml),
+[object.yaml](#file-objectyaml), `plogic kb schema`, and how to write them: [knowledge bases](knowledge-bases.md).
 
 `plogic schema NAME` prints a format as JSON Schema (draft 2020-12), made of the same shapes. Every key that a table below
 does not name is a mistake. Whole numbers are written without a point. What is wrong is told with line and column, all of
@@ -49,7 +52,7 @@ def page() -> str:
         parts += [f"## Format {name}", f"{one.title}. {one.used}{kinds}", f"```json\n{_example(name)}```"]
         parts += [_table(table) for table in tables(one.shape) if table not in known]
         known |= set(tables(one.shape))
-    return "\n\n".join(parts) + "\n"
+    return "\n\n".join([*parts, *sections()]) + "\n"
 
 
 def _example(name: str) -> str:

@@ -172,6 +172,10 @@ class Branch:
     arms: ArrayLike = ()
 
 
+NODES: dict[Kind, str] = {"object": "part", "feature": "feature", "appearance": "appearance"}
+"""What an author calls a node below the root, by its kind."""
+
+
 def tree_mistakes(root: Branch) -> list[Mistaken]:
     """Every break of A1, A2, D3 and of the names' rules, as (indices into ``parts`` from the root, message)."""
     found: list[Mistaken] = (
@@ -189,7 +193,7 @@ def _mistakes(branch: Branch, where: tuple[int, ...], above: tuple[Branch, ...])
     first: dict[str, int] = {}
     for index, part in enumerate(branch.parts):
         if first.setdefault(part.name, index) != index and part.kind != "appearance":
-            yield (*where, index), f"{part.name!r} is the name of another part of {branch.name!r}"
+            yield (*where, index), f"{part.name!r} is the name of another {NODES[part.kind]} of {branch.name!r}"
     for index, part in enumerate(branch.parts):
         yield from _mistakes(part, (*where, index), (*above, branch))
 

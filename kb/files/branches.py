@@ -140,6 +140,12 @@ WORDS = {
     "list_type": "must be a list",
     "tuple_type": "must be a list",
 }
+MAPPED = {
+    "mesh": "{file: mesh.obj, units: m}",
+    "cloud": "{file: cloud.npz}",
+    "lobe": "{axis: [0, 0, 1], half_angle: 60 deg, range: [0.2 m, 5 m]}",
+}
+"""Keys whose value is a mapping, each with one that would be right."""
 WHY_UNITS = "missing; no mesh format carries its unit, so it must be stated, as in 'units: m'"
 
 
@@ -179,6 +185,8 @@ def _message(kind: str, path: Keys, detail: ErrorDetails) -> str:
         return WHY_UNITS
     if kind == "value_error":
         return str(detail["ctx"]["error"])
+    if kind.startswith("model_") and path and path[-1] in MAPPED:
+        return f"{WORDS[kind]}, as in '{path[-1]}: {MAPPED[path[-1]]}'"
     return WORDS.get(kind) or f"{detail['msg'][:1].lower()}{detail['msg'][1:]}"
 
 

@@ -265,10 +265,14 @@ MAX_MESH_BYTES = 200_000_000
 
 @dataclass
 class Folder:
-    """The ``contents`` read so far, by relative path, and the ``mistakes`` found so far; ``kept``: for surfaces."""
+    """The ``contents`` read so far, by relative path, and the ``mistakes`` found so far; ``kept``: for surfaces.
+
+    ``rules``: what is read instead of ``rules.pl``; empty: as though there were none.
+    """
 
     root: Path
     kept: Path | None = None
+    rules: bytes | None = None
     contents: dict[str, bytes] = field(default_factory=dict)
     mistakes: list[Mistake] = field(default_factory=list)
 

@@ -166,15 +166,16 @@ class _Object:
     learned: LearnedCloud | None
 
 
-def read_kb(folder: Path | str, kept: Path | None = None) -> KnowledgeBase:
+def read_kb(folder: Path | str, kept: Path | None = None, rules: str | None = None) -> KnowledgeBase:
     """The knowledge base of a folder: ``kb.yaml``, ``objects/NAME/object.yaml`` with its mesh, ``rules.pl``.
 
-    ``kept``: where surfaces that were read are kept from run to run.
+    ``kept``: where surfaces that were read are kept from run to run. ``rules``: what is read instead of ``rules.pl``;
+    empty: as though there were none.
 
     Raises:
         KBErrors: with every mistake of every file.
     """
-    place = Folder(Path(folder), kept)
+    place = Folder(Path(folder), kept, None if rules is None else rules.encode())
     _check_folder(place.root)
     document = place.document(place.root / "kb.yaml")
     if document is None:
@@ -276,8 +277,11 @@ def _textured(place: Folder, document: Document, folder: Path) -> Path | None:
 
 
 def _rules(place: Folder) -> str:
-    path = place.root / "rules.pl"
-    content = place.content(path, MAX_RULES_BYTES) if is_there(path) else b""
+    path, content = place.root / "rules.pl", place.rules
+    if content:
+        place.contents["rules.pl"] = content
+    elif content is None and is_there(path):
+        content = place.content(path, MAX_RULES_BYTES)
     try:
         return (content or b"").decode()
     except UnicodeDecodeError as error:

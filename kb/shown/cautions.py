@@ -171,12 +171,17 @@ def of_type(kind: ObjectType, f_ref: float) -> Iterator[str]:
 def _of_lobes(kind: ObjectType) -> Iterator[str]:
     unseen = unseen_features(kind)
     if unseen:
-        yield f"no viewpoint sees {named(unseen)}: the lobes lie inside or behind the type's own body"
+        yield unseen_told(unseen)
     together = most_together(kind)
     if len(kind.seen_features) < FIXING_A_POSE:
         yield f"has {len(kind.seen_features)} features, and a pose is taken from {FIXING_A_POSE}: it is never found"
     elif together < FIXING_A_POSE and len(unseen) < len(kind.seen_features):
         yield f"its lobes never meet: no viewpoint was found that sees {FIXING_A_POSE} features at once ({together} at most), so it is never found"
+
+
+def unseen_told(unseen: list[str]) -> str:
+    """Of the features that ``unseen_features`` names."""
+    return f"no viewpoint sees {named(unseen)}: the lobes lie inside or behind the type's own body"
 
 
 def _of_learned(kind: ObjectType) -> Iterator[str]:

@@ -110,10 +110,11 @@ def new_folder(folder: Path) -> Iterator[Path]:
 
 
 def write_folder(folder: Path, files: Mapping[str, bytes]) -> None:
-    """Write a new folder with ``files`` (name → bytes), whole or not at all.
+    """Write a new folder with ``files`` (relative path → bytes), whole or not at all.
 
     Raises SensingError as ``new_folder`` does.
     """
     with new_folder(folder) as made:
         for name, data in files.items():
+            (made / name).parent.mkdir(parents=True, exist_ok=True)
             (made / name).write_bytes(data)

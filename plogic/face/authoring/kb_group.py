@@ -24,11 +24,12 @@ def kb() -> None:
 @kb.command("new")
 @click.argument("folder", type=click.Path(path_type=Path))
 @click.option("--name", help="Name of the knowledge base (default: the folder's).")
-def kb_new(folder: Path, name: str | None) -> None:
+@click.option("--example", is_flag=True, help="With a type written by hand, a box, to start from.")
+def kb_new(folder: Path, name: str | None, example: bool) -> None:  # noqa: FBT001 - click hands over flags
     """Make a new knowledge base: kb.yaml, its schemas for the editor, rules.pl and objects/."""
     from plogic.face.authoring.kb_types import new_command
 
-    emit(new_command(folder, name))
+    emit(new_command(folder, name, example=example))
 
 
 @kb.command("add")

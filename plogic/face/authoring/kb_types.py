@@ -19,6 +19,7 @@ from kb.clouds.cloud import KnowledgeBase, ObjectType
 from kb.files.folder import MAX_BYTES, load
 from kb.files.write import obj_text, object_text
 from kb.intake.bop_models import bop_models, bop_symmetries
+from kb.intake.example_type import example_files
 from kb.intake.new_type import EDITOR_LINE, NewType, check_name, new_kb_files, new_type, schema_files
 from kb.intake.robots import frozen_joints, merged, sdf_visuals, urdf_visuals
 from kb.intake.source import read_source
@@ -104,11 +105,25 @@ def told(folder: Path, types: Sequence[NewType], what: str, *, new: bool, as_jso
     return "\n".join([*lines, f"wrote {wrote}"])
 
 
-def new_command(folder: Path, name: str | None) -> str:
-    """Write a new knowledge base, whole or not at all, and never over anything. Raises IntakeError, SensingError."""
-    write_folder(folder, new_kb_files(name or Path(os.path.realpath(folder)).name))
+def new_command(folder: Path, name: str | None, *, example: bool = False) -> str:
+    """Write a new knowledge base, whole or not at all, and never over anything. Raises IntakeError, SensingError.
+
+    ``example``: with a type written by hand.
+    """
+    name = name or Path(os.path.realpath(folder)).name
+    if example:
+        write_folder(folder, example_files(name))
+        return (
+            f"wrote {folder}: kb.yaml, rules.pl, their schemas, and objects/box: object.yaml, mesh.obj\n"
+            f"next: plogic kb check {folder}; plogic simulate --kb {folder} --gamma -o scene"
+        )
+    write_folder(folder, new_kb_files(name))
     (folder / "objects").mkdir()
-    return f"wrote {folder}: kb.yaml, rules.pl, their schemas and objects/\nnext: plogic kb add NAME --mesh FILE --units m|cm|mm --kb {folder}"
+    return (
+        f"wrote {folder}: kb.yaml, rules.pl, their schemas and objects/\n"
+        f"next: plogic kb add NAME --mesh FILE --units m|cm|mm --kb {folder}\n"
+        f"or write {folder}/objects/NAME/object.yaml by hand, as plogic kb new FOLDER --example has one"
+    )
 
 
 def add_command(name: str, mesh: Path, units: str | None, folder: Path, *, as_json: bool) -> str:

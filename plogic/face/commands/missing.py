@@ -12,7 +12,9 @@ from typing import Any
 
 import numpy as np
 
+from geometry.files.remembered import cache_folder
 from kb.clouds.cloud import KnowledgeBase, ObjectType
+from kb.files.read import read_kb
 from plogic.base.errors import InputError
 from plogic.face.shown.figures import chance
 from plogic.facts.document import Interpretation, RejectedRow
@@ -87,9 +89,18 @@ def _kind(document: Interpretation, kb: KnowledgeBase, name: str, source: str) -
         raise InputError(
             f"{name}: no such object type; there are: {', '.join(k.name for k in kb.types[:20]) or 'none'}"
         )
-    if made_with != kb.digest:
-        raise InputError(f"{source}: was made with another {document['kb']['name']} than {kb.folder}: perceive again")
+    if made_with != kb.digest and not _same_but_rules(document, kb):
+        what = f"files of {kb.folder} beside rules.pl have changed since, or it was made with another {document['kb']['name']}"
+        raise InputError(f"{source}: {what}: perceive again")
     return kind
+
+
+def _same_but_rules(document: Interpretation, kb: KnowledgeBase) -> bool:
+    """Whether it was made with this knowledge base under other rules, which are no cause that a type is missing."""
+    if kb.folder is None:
+        return False
+    before = read_kb(kb.folder, cache_folder("surfaces"), document["rules"])
+    return before.digest == document["kb"]["digest"]
 
 
 def _gamma(document: Interpretation, source: str) -> Gamma:
@@ -143,16 +154,18 @@ def _lines(told: dict[str, Any], source: str) -> Iterator[str]:
 def _poses(told: dict[str, Any], source: str) -> Iterator[str]:
     """What was tried, and what the best lacked."""
     best, number = told["best"], told["rejected"]
+    stands = [h["id"] for h in told["in_delta"] if h["status"] == "accepted"]
+    before = f"{', '.join(stands)} {'stand' if len(stands) > 1 else 'stands'} there; of others, " if stands else ""
     if best is None:
         there = (
             f"{number} rejected, none of them among those that {source} holds"
             if number
             else "none was kept for judgement"
         )
-        yield f"poses: {there}"
+        yield f"poses: {before}{there}"
         return
     came = f"{best['detected']} of {best['expected']} expected features detected"
-    yield f"poses: {number} rejected; the best, {best['distance']:.2g} m away, has {came}"
+    yield f"poses: {before}{number} rejected; the best{' of these' if stands else ''}, {best['distance']:.2g} m away, has {came}"
     if best["missed"]:
         more = f" and {len(best['missed']) - NAMED} more" if len(best["missed"]) > NAMED else ""
         yield f"  missed: {', '.join(best['missed'][:NAMED])}{more}"

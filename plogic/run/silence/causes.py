@@ -9,12 +9,14 @@ from collections import Counter
 from collections.abc import Iterator, Sequence
 
 from kb.clouds.cloud import KnowledgeBase, ObjectType
-from kb.shown.cautions import of_type
+from kb.shown.cautions import of_type, unseen_told
+from kb.shown.seen_from import unseen_features
 from plogic.cycle.judging import FEWEST
 from plogic.facts.document import Interpretation, RejectedRow
 from plogic.measures.distinctiveness import distinctiveness, instance_counts
 from plogic.run.silence.beforehand import findable, listed
 from plogic.run.silence.otherwise import CONVINCING, camera_doubt, causes
+from plogic.run.silence.too_few import seldom_found
 from sensing.appearance import Gamma
 
 MOST_DATA = 400
@@ -52,7 +54,7 @@ def _lines(
         yield doubt
     some = _attended(document, [kind for kind in kinds if _enough(gamma, kind)])[:MOST_TYPES]
     cautions = {kind.name: [*of_type(kind, kb.f_ref)] for kind in some if kind.learned is None}
-    unfit = {name: lines[0] for name, lines in cautions.items() if lines}
+    unfit = {kind.name: lines[0] for kind in some if (lines := cautions.get(kind.name)) and _decides(lines, kind, kb)}
     yield from (f"{name}: {line}" for name, line in unfit.items())
     left = [kind for kind in some if kind.name not in unfit]
     shown = set()
@@ -62,7 +64,22 @@ def _lines(
         for kind, told in causes(enough, kb, gamma, dv, thorough=thorough):
             shown.add(kind.name)
             yield f"{kind.name}: {told}"
-    yield from (best_told(document, kind.name) for kind in left if kind.name not in shown)
+    for kind in left:
+        if kind.name not in shown:
+            yield from _seldom(kind, kb) if thorough else ()
+            yield best_told(document, kind.name)
+        yield from (f"{kind.name}: besides, {line}" for line in cautions.get(kind.name, ()))
+
+
+def _decides(lines: Sequence[str], kind: ObjectType, kb: KnowledgeBase) -> bool:
+    """Whether what is amiss with a type keeps it from being found; unseen features do not, where the others suffice."""
+    unseen = unseen_features(kind)
+    return not unseen or list(lines) != [unseen_told(unseen)] or bool(_seldom(kind, kb))
+
+
+def _seldom(kind: ObjectType, kb: KnowledgeBase) -> list[str]:
+    """That it shows too little to be accepted, if it does."""
+    return list(seldom_found(kb, {other.name for other in kb.types if other.name != kind.name}))
 
 
 def _of_data(gamma: Gamma, kinds: Sequence[ObjectType]) -> str:

@@ -48,10 +48,12 @@ def seldom_found(kb: KnowledgeBase, but: Collection[str] = ()) -> Iterator[str]:
         reasons = [why for _, why in judged if why]
         if found < ENOUGH * VIEWS and reasons:
             shown = sorted(number for number, _ in judged)
+            enough = min((number for number, why in judged if why is None), default=None)
+            where = "from none" if enough is None else f"where it is accepted it shows {enough} or more"
             yield (
                 f"{kind.name}: from {VIEWS - found} of {VIEWS} directions all around it would not be accepted even if "
                 f"all that it shows were detected, {shown[VIEWS // 2]} features in the median, {shown[-1]} at most "
-                f"({max(reasons, key=reasons.count)}): give it more features, or looks that are rarer"
+                f"({max(reasons, key=reasons.count)}); {where}: give it more features, or looks that are rarer"
             )
 
 

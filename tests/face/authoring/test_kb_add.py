@@ -14,6 +14,7 @@ import trimesh
 from console import bytes_in, document, good, plogic
 from made_meshes import box_triangles, obj_text, write_box, write_painted
 
+from kb.files.folder import shipped
 from kb.files.read import read_kb
 from kb.files.schema import json_schema
 from kb.files.values import LENGTHS
@@ -66,6 +67,22 @@ def test_a_name_of_its_own(tmp_path):
     done = plogic("kb", "new", tmp_path / "c d")
     assert (done.returncode, (tmp_path / "c d").exists()) == (1, False)
     assert "give one with --name" in done.stderr
+
+
+def test_an_example_to_start_from_is_found_in_its_own_scene(tmp_path):
+    folder = tmp_path / "mine"
+    assert "objects/box" in good("kb", "new", folder, "--example")
+    kb, first = read_kb(folder), read_kb(shipped("first"))
+    assert kb.name == "mine"
+    assert (kb.rates, kb.appearance_types, kb.f_ref) == (first.rates, first.appearance_types, first.f_ref)
+    assert good("kb", "check", folder).startswith("mine: 1 type, 2 appearance types, no mistakes")
+    good("simulate", "--kb", folder, "--objects", "1", "--gamma", "-o", tmp_path / "scene")
+    good("perceive", tmp_path / "scene" / "gamma.json", "--kb", folder, "-o", tmp_path / "out.json")
+    assert "box h1" in good("worlds", tmp_path / "out.json")
+
+
+def test_without_a_mesh_the_next_step_is_told_too(tmp_path):
+    assert "object.yaml by hand, as plogic kb new FOLDER --example" in good("kb", "new", tmp_path / "kb")
 
 
 def test_a_painted_mesh_is_kept_for_rendering_and_repaired_for_reasoning(tmp_path, folder):

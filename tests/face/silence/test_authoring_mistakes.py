@@ -126,7 +126,7 @@ MISTAKES = {
     "two types of one name": (second_box, "'box' is also the object of objects/box/object.yaml"),
     "two features of one name": (
         edited(TYPE, ("feature: north", "feature: east")),
-        "'east' is the name of another part",
+        "'east' is the name of another feature",
     ),
     "no features": (kept(0), "box: has no features, so it is never found"),
     "three features": (kept_last(3), "has 3 features, and a pose is taken from 4"),

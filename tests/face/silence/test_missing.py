@@ -55,6 +55,60 @@ def test_what_was_found_is_said_to_be_there(tmp_path):
     told("perceive", gamma_file(tmp_path, sight()), "--kb", "first", "-o", out)
     first = told("explain", out, "--missing", "box", "--kb", "first")[0]
     assert first.startswith("h1 is a box: accepted, probability ")
+    (poses,) = [
+        line for line in told("explain", out, "--missing", "box", "--kb", "first") if line.startswith("poses: ")
+    ]
+    assert poses.startswith("poses: h1 stands there; of others, ")
+
+
+def test_under_changed_rules_it_is_told_all_the_same_and_not_with_another_type(far):
+    folder, out = far
+    before = told("explain", out, "--missing", "box", "--kb", folder)
+    (folder / "rules.pl").write_text("solitary(X) :- present(X).\n")
+    assert told("explain", out, "--missing", "box", "--kb", folder) == before
+    (folder / TYPE).write_text(texts()[TYPE])
+    (line,) = told("explain", out, "--missing", "box", "--kb", folder)
+    assert f"files of {folder} beside rules.pl have changed since" in line
+
+
+def test_rules_that_were_there_before_and_are_gone_change_nothing(tmp_path):
+    folder, out = (
+        written(tmp_path / "kb", texts() | {"rules.pl": "solitary(X) :- present(X).\n"}),
+        tmp_path / "out.json",
+    )
+    told("perceive", gamma_file(tmp_path, sight()), "--kb", folder, "-o", out)
+    (folder / "rules.pl").unlink()
+    assert told("explain", out, "--missing", "box", "--kb", folder)[0].startswith("h1 is a box: accepted")
+
+
+def causes_of(folder, tmp_path, document):
+    told("perceive", gamma_file(tmp_path, document), "--kb", folder, "-o", tmp_path / "out.json")
+    return told("explain", tmp_path / "out.json", "--missing", "box", "--kb", folder)
+
+
+def test_a_feature_that_is_never_seen_is_no_cause_where_the_others_suffice(tmp_path):
+    files = texts()
+    inside = files[TYPE].replace("at: [0.08, -0.1, 0.1]", "at: [0.08, -0.05, 0.1]")
+    folder = written(tmp_path / "kb", files | {TYPE: inside})
+    (warning,) = [line for line in told("kb", "check", folder) if line.startswith("warning: ")]
+    assert "no viewpoint sees south_right" in warning
+    document = sight(noise=0)
+    corners = [row for row in document["appearances"] if row["type"] == "corner"]
+    stickers = [row for row in document["appearances"] if row["type"] == "sticker"]
+    document["appearances"] = [*corners[:4], *stickers[:1]]
+    first, second, *_ = causes_of(folder, tmp_path, document)
+    assert not first.startswith("box: no viewpoint sees")
+    assert second.startswith("box: besides, no viewpoint sees south_right")
+
+
+def test_that_a_type_shows_too_little_is_the_first_cause(tmp_path):
+    files = texts()
+    rows = files[TYPE].split("  - feature:")
+    few = "  - feature:".join([row for row in rows if not row.startswith((" top", " base_n", " north", " east"))])
+    folder = written(tmp_path / "kb", files | {TYPE: few})
+    (warning,) = [line for line in told("kb", "check", folder) if line.startswith("warning: ")]
+    assert "it would not be accepted even if all that it shows were detected" in warning
+    assert f"warning: {causes_of(folder, tmp_path, sight(home=folder))[0]}" == warning
 
 
 @pytest.mark.parametrize(
@@ -62,7 +116,7 @@ def test_what_was_found_is_said_to_be_there(tmp_path):
     [
         (["--missing", "bax"], "bax: no such type in {out}; it tells of: box"),
         (["--missing", "bax", "--kb", "{kb}"], "bax: no such object type; there are: box"),
-        (["--missing", "box", "--kb", "first"], "{out}: was made with another first than "),
+        (["--missing", "box", "--kb", "first"], "{out}: files of "),
         ([], "give either a GOAL or --missing TYPE"),
         (["present(h1)", "--missing", "box"], "give either a GOAL or --missing TYPE"),
         (["present(h1)", "--kb", "first"], "--kb: only with --missing"),

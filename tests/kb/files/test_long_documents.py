@@ -31,10 +31,10 @@ def test_every_name_given_twice_is_said_at_its_place(tmp_path):
     found = [
         line
         for line in mistakes(write_small(tmp_path, object=f"object: tent\nfeatures:\n{rows}"))
-        if "another part" in line
+        if "another feature" in line
     ]
     assert found == [
-        f"objects/tent/object.yaml:{i + 3}:5: features.{i}: 'f{i // 2}' is the name of another part of 'tent'"
+        f"objects/tent/object.yaml:{i + 3}:5: features.{i}: 'f{i // 2}' is the name of another feature of 'tent'"
         for i in range(1, MANY, 2)
     ]
 

@@ -57,6 +57,11 @@ OBJECT_MISTAKES = {
     "missing key": ("        type: apex\n", "", "9:9: parts.0.features.0.type: missing"),
     "mesh without units": (", units: cm", "", "2:7: mesh.units: missing; no mesh format carries its unit"),
     "unit unknown": ("units: cm", "units: ell", "2:31: mesh.units: must be one of m,"),
+    "mesh in short": (
+        "{file: mesh.obj, units: cm}",
+        "mesh.obj",
+        "2:7: mesh: must be a mapping of keys to values, as in 'mesh: {file: mesh.obj, units: m}'",
+    ),
     "mesh missing": ("file: mesh.obj", "file: other.obj", "2:14: mesh.file: the mesh 'other.obj' is missing"),
     "mesh outside": (
         "file: mesh.obj",
@@ -103,7 +108,7 @@ OBJECT_MISTAKES = {
     "name given twice": (
         "feature: pair",
         "feature: apex",
-        "15:9: parts.0.features.1: 'apex' is the name of another part",
+        "15:9: parts.0.features.1: 'apex' is the name of another feature",
     ),
     "arm of no direction": (
         "[2, 0, 0]",
