@@ -1,42 +1,92 @@
-"""Whether matched points agree with the camera's focal length, the pose being free.
+"""The focal length that matched points fit best, the pose being free: Levenberg-Marquardt over both.
 
-A wrong focal length is made up for by another depth, but not wholly: what is nearer is drawn larger.
+A wrong focal length is made up for by another depth, but not wholly: what is nearer is drawn larger. The pose's part of
+a step, and the damping, are those of ``geometry.poses.reprojection``.
 """
+
+from typing import NamedTuple
 
 import numpy as np
 
 from geometry.arrays import Floats
-from geometry.camera import NEAREST, Camera
-from geometry.frames import transform_points
+from geometry.camera import Camera
+from geometry.poses.reprojection import (
+    GENTLE,
+    STRONG,
+    Seen,
+    Task,
+    cost_of,
+    damped_step,
+    jacobian_of,
+    moved_by,
+    reprojected,
+    task_of,
+)
 
+ROUNDS = 200
+"""Steps at most; from a pose of the search some five, from clicks some thirty."""
+SETTLED = 1e-10
+"""A step is the last whose largest number is below this."""
+FREE = 7
+"""Numbers that are fitted."""
 CLICK = 0.5
 """Least standard deviation of a place in the image, px, whatever the residuals say."""
-FEWEST = 6
-"""Points below which nothing is said: seven numbers are free."""
 
 
-def focal_step(points: Floats, uv: Floats, camera: Camera, pose: Floats) -> tuple[float, float]:
-    """(step, error): by how much ln f should change for ``points`` (N, 3) m, object frame, to fit ``uv`` (N, 2) px.
+class FocalFit(NamedTuple):
+    """``log``: of what the camera's focal length is to be multiplied by; ``pose`` (4, 4), camera_from_object.
 
-    The first step of Gauss and Newton from a ``pose`` (4, 4) that is the best for the stated f, all seven numbers free,
-    and its standard error as the residuals that are left tell it; (0, inf) where the points fix nothing.
+    ``noise``: px, as the residuals tell it, at least ``CLICK``; ``error``: the standard error of ``log`` for each px of
+    noise, inf where the points fix no focal length.
     """
-    placed = transform_points(pose, points)
-    if len(points) < FEWEST or not (placed[:, 2] > NEAREST).all():
-        return 0.0, np.inf
-    f, depth = camera.f, placed[:, 2]
-    xy = placed[:, :2] / depth[:, None]
-    off = f * (xy - camera.normalised(uv))
-    by_place = np.zeros((len(points), 2, 3))
-    by_place[:, 0, 0] = by_place[:, 1, 1] = f / depth
-    by_place[:, :, 2] = -f * xy / depth[:, None]
-    by_turn = by_place @ np.moveaxis(np.cross(np.eye(3), placed[:, None]), 1, 2)
-    table = np.concatenate([f * xy[:, :, None], by_turn, by_place], axis=2).reshape(-1, 7)
-    size = np.linalg.norm(table, axis=0)
-    left, values, right = np.linalg.svd(table / np.where(size > 0.0, size, 1.0), full_matrices=False)
-    if not np.isfinite(off).all() or values[-1] <= 1e-9 * values[0]:
-        return 0.0, np.inf
-    step = -(right.T / values) @ (left.T @ off.ravel())
-    rest = off.ravel() + (table / size) @ step
-    noise = max(float(np.sqrt((rest**2).sum() / max(len(rest) - 7, 1))), CLICK)
-    return float(step[0] / size[0]), float(noise * np.sqrt(((right[:, 0] / values) ** 2).sum()) / size[0])
+
+    log: float
+    pose: Floats
+    noise: float
+    error: float
+
+
+def focal_fit(points: Floats, uv: Floats, camera: Camera, pose: Floats) -> FocalFit:
+    """What ``points`` (N, 3) m, object frame, at the pixels ``uv`` (N, 2) tell, from a ``pose`` that is near."""
+    poses, log, damping = pose[None], 0.0, np.full(1, GENTLE)
+    task = task_of(poses, points[None], uv[None], np.ones((1, len(points))), camera, np.inf, None)
+    here = reprojected(poses, task)
+    for _ in range(ROUNDS):
+        jacobian = _jacobian(here, _scaled(task, log))
+        turned = np.swapaxes(jacobian, 1, 2)
+        step = damped_step(turned @ jacobian, (turned @ here.off.reshape(1, -1, 1))[..., 0], damping)
+        trial = moved_by(poses, step[:, 1:])
+        there = reprojected(trial, _scaled(task, log + step[0, 0]))
+        if cost_of(there, task)[0] < cost_of(here, task)[0]:
+            poses, log, here, damping = trial, log + float(step[0, 0]), there, damping * 0.2
+        else:
+            damping = damping * 10.0
+        if damping[0] > STRONG or np.abs(step).max() < SETTLED:
+            break
+    noise = float(np.sqrt(cost_of(here, task)[0] / max(2 * len(points) - FREE, 1)))
+    return FocalFit(log, poses[0], max(noise, CLICK), _error(_jacobian(here, _scaled(task, log))[0]))
+
+
+def _scaled(task: Task, log: float) -> Task:
+    """The task of a camera whose focal lengths are so much longer."""
+    K = task.K.copy()
+    K[:, :2] *= np.exp(log)
+    return task._replace(K=K)
+
+
+def _jacobian(seen: Seen, task: Task) -> Floats:
+    """D pixel / d (ln f, w, v), (1, 2 N, 7)."""
+    by_focal = (seen.placed[..., :2] * seen.inverse_depth[..., None]) @ task.K[:, :2].T
+    by_pose = jacobian_of(seen.turned, seen.placed, seen.inverse_depth, task.K)
+    return np.concatenate([by_focal.reshape(1, -1, 1), by_pose], axis=2)
+
+
+def _error(jacobian: Floats) -> float:
+    """The standard error of ln f, a pixel's noise being 1."""
+    size = np.linalg.norm(jacobian, axis=0)
+    if not (len(jacobian) >= FREE and size.all() and np.isfinite(jacobian).all()):
+        return np.inf
+    _, values, right = np.linalg.svd(jacobian / size, full_matrices=False)
+    if values[-1] <= 1e-6 * values[0]:
+        return np.inf
+    return float(np.sqrt(((right[:, 0] / values) ** 2).sum()) / size[0])

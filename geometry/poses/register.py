@@ -13,6 +13,7 @@ from geometry.arrays import Floats, last_axes
 from geometry.camera import NEAREST, Camera, centred_camera
 from geometry.errors import GeometryError
 from geometry.frames import from_rotation_translation, transform_points
+from geometry.poses.focal import CLICK, focal_fit
 from geometry.poses.refine import refine_poses
 
 LEAST_POINTS_CALIBRATED, LEAST_POINTS_UNCALIBRATED = 4, 6
@@ -20,8 +21,6 @@ LEAST_POINTS_CALIBRATED, LEAST_POINTS_UNCALIBRATED = 4, 6
 gives two."""
 FOCAL_LENGTHS = (0.4, 8.0, 20)
 """Tried: least and greatest, as shares of the image's longer side, and how many."""
-CLICK = 0.5
-"""Least standard deviation of a click, px, whatever the residuals say."""
 UNSURE = 0.05
 """Greatest standard error of the focal length, as its share, were all clicks as good as ``CLICK``: beyond, the points
 lie too flat to tell it."""
@@ -72,8 +71,13 @@ def register(points: ArrayLike, uv: ArrayLike, size: tuple[int, int], camera: Ca
     pose, cost, start = min(found, key=lambda one: one[1])
     if not np.isfinite(cost):
         raise GeometryError(NOWHERE)
-    f, pose, least, error = _refined(objects, seen, start, pose)
-    if not least < UNSURE * f:
+    fit = focal_fit(objects, seen, start, pose)
+    f, pose, error = (
+        start.f * float(np.exp(fit.log)),
+        fit.pose,
+        start.f * float(np.exp(fit.log)) * fit.noise * fit.error,
+    )
+    if not CLICK * fit.error < UNSURE:
         told = f"{f:.0f} +- {error:.0f} px" if np.isfinite(error) and 0 < f < 1e6 else "any would do"
         rule = "give the camera, or points on faces that differ more in direction, or clearly nearer and farther"
         raise GeometryError(f"the points do not fix the focal length ({told}): {rule}")
@@ -138,46 +142,6 @@ def _starts(objects: Floats, seen: Floats, camera: Camera) -> Floats:
     depth = max(extent / max(spread, 1e-9), 1.5 * float(np.linalg.norm(objects - middle, axis=1).max()))
     place = np.append(rays.mean(axis=0), 1.0) * depth
     return from_rotation_translation(rotations, place - rotations @ middle)
-
-
-def fitted_focal(points: Floats, uv: Floats, camera: Camera, pose: Floats) -> tuple[float, float]:
-    """(ln of what the focal length is to be multiplied by, its standard error) for ``points`` to fit ``uv``.
-
-    ``points`` (N, 3) m in the object's frame, ``uv`` (N, 2) px, from a ``pose`` (4, 4) that is near.
-    """
-    f, _, _, error = _refined(points, camera.normalised(uv) * camera.f + camera.K[:2, 2], camera, pose)
-    return float(np.log(f / camera.f)), error / f
-
-
-def _refined(objects: Floats, seen: Floats, camera: Camera, pose: Floats) -> tuple[float, Floats, float, float]:
-    """Focal length and pose together by least squares from those given.
-
-    The standard error of the focal length, px, least and as seen.
-    """
-    from scipy.optimize import least_squares
-    from scipy.spatial.transform import Rotation
-
-    scale, centre = float(pose[2, 3]), camera.K[:2, 2]
-
-    def at(x: Floats) -> tuple[float, Floats]:
-        turn = Rotation.from_rotvec(x[1:4]).as_matrix() @ pose[:3, :3]
-        return camera.f * float(np.exp(np.clip(x[0], -4.0, 4.0))), from_rotation_translation(
-            turn, pose[:3, 3] + scale * x[4:]
-        )
-
-    def off(x: Floats) -> Floats:
-        f, moved = at(x)
-        placed = transform_points(moved, objects)
-        return np.asarray((placed[:, :2] / np.maximum(placed[:, 2:], NEAREST) * f + centre - seen).ravel())
-
-    answer = least_squares(off, np.zeros(7), method="lm", x_scale=1.0)
-    f, best = at(answer.x)
-    free = max(len(answer.fun) - 7, 1)
-    noise = max(float(np.sqrt((answer.fun**2).sum() / free)), CLICK)
-    values, vectors = np.linalg.eigh(answer.jac.T @ answer.jac)
-    sure = values > 1e-12 * values.max()
-    error = float(np.sqrt((vectors[0, sure] ** 2 / values[sure]).sum())) if sure.all() else np.inf
-    return f, best, f * CLICK * error, f * noise * error
 
 
 def _registration(objects: Floats, seen: Floats, camera: Camera, pose: Floats, error: float) -> Registration:

@@ -5,6 +5,7 @@
 """
 
 from collections.abc import Callable, Iterator, Mapping
+from importlib import import_module
 from pathlib import Path
 from typing import NamedTuple
 
@@ -27,42 +28,34 @@ class Kind(NamedTuple):
     asked: bool = False
 
 
-def _learned(setup: Setup) -> TypeModels:
-    from plogic.match.learned.learned_models import LearnedModels
+def _of(path: str) -> Callable[[Setup], TypeModels]:
+    """What makes the types of a kind ready; the module is read when a type is of it."""
 
-    return LearnedModels.of(setup)
+    def made(setup: Setup) -> TypeModels:
+        module, _, name = path.partition(":")
+        models: TypeModels = getattr(import_module(module), name).of(setup)
+        return models
 
-
-def _quadruples(setup: Setup) -> TypeModels:
-    from plogic.match.plain.plain_models import Quadruples
-
-    return Quadruples.of(setup)
-
-
-def _softposit(setup: Setup) -> TypeModels:
-    from plogic.match.plain.plain_models import SoftPosit
-
-    return SoftPosit.of(setup)
-
-
-def _oriented(setup: Setup) -> TypeModels:
-    from plogic.match.oriented.oriented_models import OrientedModels
-
-    return OrientedModels.of(setup)
-
-
-def _hand(setup: Setup) -> TypeModels:
-    from plogic.match.hand.hand_models import HandModels
-
-    return HandModels.of(setup)
+    return made
 
 
 KINDS = (
-    Kind("learned", _learned, lambda kind, _: kind.learned is not None),
-    Kind("quadruples", _quadruples, lambda kind, _: kind.learned is None, asked=True),
-    Kind("softposit", _softposit, lambda kind, _: kind.learned is None, asked=True),
-    Kind("oriented", _oriented, lambda _, kb: kb.rates.sigma_angle is not None),
-    Kind("hand", _hand, lambda _, __: True),
+    Kind("learned", _of("plogic.match.learned.learned_models:LearnedModels"), lambda kind, _: kind.learned is not None),
+    Kind(
+        "quadruples",
+        _of("plogic.match.plain.plain_models:Quadruples"),
+        lambda kind, _: kind.learned is None,
+        asked=True,
+    ),
+    Kind(
+        "softposit", _of("plogic.match.plain.plain_models:SoftPosit"), lambda kind, _: kind.learned is None, asked=True
+    ),
+    Kind(
+        "oriented",
+        _of("plogic.match.oriented.oriented_models:OrientedModels"),
+        lambda _, kb: kb.rates.sigma_angle is not None,
+    ),
+    Kind("hand", _of("plogic.match.hand.hand_models:HandModels"), lambda _, __: True),
 )
 """All kinds, each read when a type is of it; a type is of the first that holds it."""
 GENERATORS = FAST, *(kind.name for kind in KINDS if kind.asked)

@@ -75,26 +75,21 @@ def is_legal(substitution: Mapping[int, int], allowed: NDArray[np.bool_]) -> boo
     return len(set(values)) == len(values) and all(bool(allowed[f, a]) for f, a in substitution.items())
 
 
-def best_substitution(weights: NDArray[np.float64], allowed: NDArray[np.bool_]) -> dict[int, int]:
-    """The legal θ of greatest Σ weight over matched features: a maximum-weight bipartite matching (§5.3).
-
-    ``weights`` (F,) ≥ 0 per feature, ``allowed`` (F, A). Features of weight 0 are matched where that costs nothing.
-    Oracles: brute force, and SciPy's ``linear_sum_assignment``.
-    """
-    ways = [np.flatnonzero(row).tolist() for row in allowed]
-    return _served(weights, ways, dict.fromkeys(range(allowed.shape[1]), 1))
-
-
 Kind = TypeVar("Kind", bound="Hashable")
+"""What appearances are told apart by: their type, or which one it is."""
 
 
-def _served(weights: NDArray[np.float64], ways: Sequence[Iterable[Kind]], room: dict[Kind, int]) -> dict[int, Kind]:
-    """The features of greatest Σ weight that can be served together, in their order, and by what kind of appearance.
+def best_substitution(
+    weights: NDArray[np.float64], ways: Sequence[Iterable[Kind]], there: Mapping[Kind, int]
+) -> dict[int, Kind]:
+    """The legal θ of greatest Σ weight over matched features, in their order: a maximum-weight matching (§5.3).
 
-    ``ways``: the kinds that may serve each feature; ``room``: how many of each kind are there. The heaviest comes
-    first, and whom it displaces is served otherwise: sets that can be served together are a matroid, so the greedy
-    choice is the best, and who finds no way now finds none later.
+    ``weights`` (F,) ≥ 0; ``ways``: the kinds of appearance that each feature may match, of which so many are ``there``.
+    The heaviest comes first, and whom it displaces is matched otherwise: sets that can be matched together are a
+    matroid, so the greedy choice is the best, and who finds no way now finds none later. Features of weight 0 are
+    matched where that costs nothing. Oracles: brute force, and SciPy's ``linear_sum_assignment``.
     """
+    room = dict(there)
     serves: dict[int, Kind] = {}
     held: dict[Kind, list[int]] = {kind: [] for kind in room}
     full: set[Kind] = {kind for kind, count in room.items() if not count}
@@ -146,14 +141,9 @@ def valuation(weights: NDArray[np.float64], substitution: Iterable[int]) -> floa
     )  # sums of different order may differ
 
 
-def rank(weights: NDArray[np.float64], allowed: NDArray[np.bool_]) -> float:
-    """Best valuation of a type over all legal θ (§5.3)."""
-    return valuation(weights, best_substitution(weights, allowed))
-
-
-def rank_of_looks(weights: NDArray[np.float64], looks: Sequence[Iterable[str]], there: Mapping[str, int]) -> float:
-    """``rank`` of features that look like any of some types each, among so many appearances of each type."""
-    return valuation(weights, _served(weights, looks, dict(there)))
+def rank(weights: NDArray[np.float64], ways: Sequence[Iterable[Kind]], there: Mapping[Kind, int]) -> float:
+    """Best valuation of a type over all legal θ (§5.3); the arguments are those of ``best_substitution``."""
+    return valuation(weights, best_substitution(weights, ways, there))
 
 
 def rank_of_kinds(weights: NDArray[np.float64], kinds: Kinds, there: Mapping[str, int]) -> float:

@@ -241,3 +241,13 @@ def _rejected(rejected: Sequence[Hypothesis], gamma: Gamma, dv: Mapping[str, flo
         }
         for i, b in enumerate(best, 1)
     ]
+
+
+def accepted_in(document: Interpretation) -> tuple[str, ...]:
+    """The accepted objects: ``h1 t1 (0.941)``; of what is unfinished, with the interval."""
+    return tuple(f"{h['id']} {h['type']} ({_chance(h)})" for h in document["hypotheses"] if h["status"] == "accepted")
+
+
+def _chance(h: HypothesisRow) -> str:
+    low, high = h.get("interval") or (None, None)
+    return f"{h['probability']:.3f}" + ("" if low is None else f" in {low:.3f}..{high:.3f}")

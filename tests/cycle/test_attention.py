@@ -10,7 +10,7 @@ from synthetic import camera_pose, perceiver, scene, towers
 from benchmarks.clutter.types import random_types, type_names
 from plogic.cycle.perception import attend, chance_types
 from plogic.match.hand.hand_models import type_index
-from plogic.measures.distinctiveness import compatible, rank
+from plogic.measures.distinctiveness import rank
 
 
 def order_of(types):
@@ -78,6 +78,8 @@ def test_counting_is_the_best_matching_where_features_have_one_appearance_type_e
     index = replace(index, weights=rng.choice([0.0, 0.2, 0.2, 1.0], 12), cells=replace(index.cells, visible=shown))
     there = rng.choice(type_names(5), 6).tolist()
     looks = [frozenset(a.type for a in feature.appearances) for feature in kind.features]
-    allowed = compatible(looks, there)
-    best = [rank(index.weights[row], allowed[row]) for row in [np.ones(12, bool), *shown]]
+    best = [
+        rank(index.weights[row], [looks[f] for f in np.flatnonzero(row)], Counter(there))
+        for row in [np.ones(12, bool), *shown]
+    ]
     assert index._counted(Counter(there)) == pytest.approx(best, abs=1e-9)

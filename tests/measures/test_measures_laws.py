@@ -17,7 +17,6 @@ from plogic.measures.distinctiveness import (
     is_legal,
     probability_of_distinctiveness,
     rank,
-    rank_of_looks,
     valuation,
 )
 from plogic.measures.explanatory import (
@@ -45,7 +44,7 @@ def test_shares_sum_to_one_and_dv_is_their_complement(counts):
 
 def test_one_feature_type_in_all_of_sigma_is_not_distinctive_and_its_valuation_is_zero():
     assert distinctiveness({"patch": 7}) == {"patch": 0.0}
-    assert rank(np.zeros(3), np.ones((3, 5), dtype=bool)) == 0.0
+    assert rank(np.zeros(3), [["patch"]] * 3, {"patch": 5}) == 0.0
     assert explanatory_value({"patch": Cells(3, 0, 0, 0)}, {"patch": 0.0}) is None
 
 
@@ -102,6 +101,11 @@ def test_tally_counts_every_case_once(pairs):
     assert support == {name: Cells(**count) for name, count in counts.items()}
 
 
+def of_matrix(allowed):
+    """The ways of each feature (F, A), every appearance being of a kind of its own."""
+    return [np.flatnonzero(row).tolist() for row in allowed], dict.fromkeys(range(allowed.shape[1]), 1)
+
+
 MATRICES = st.integers(1, 4).flatmap(
     lambda f: st.integers(1, 4).flatmap(
         lambda a: st.tuples(
@@ -127,9 +131,9 @@ def brute_force(weights, allowed):
 @given(MATRICES)
 def test_rank_is_the_best_over_all_legal_substitutions(matrix):
     weights, allowed = np.array(matrix[0]), np.array(matrix[1], dtype=bool)
-    substitution = best_substitution(weights, allowed)
+    substitution = best_substitution(weights, *of_matrix(allowed))
     assert is_legal(substitution, allowed)
-    assert isclose(rank(weights, allowed), brute_force(weights, allowed), abs_tol=1e-9)
+    assert isclose(rank(weights, *of_matrix(allowed)), brute_force(weights, allowed), abs_tol=1e-9)
 
 
 @given(st.integers(0, 2**32 - 1), st.integers(1, 25), st.integers(1, 25), st.floats(0.05, 0.9))
@@ -138,7 +142,7 @@ def test_rank_is_that_of_scipys_assignment(seed, features, data, share):
     weights, allowed = rng.choice([0.0, 0.3, 0.5, 0.97], features), rng.random((features, data)) < share
     rows, columns = linear_sum_assignment(np.where(allowed, weights[:, None], 0.0), maximize=True)
     best = sum(weights[f] for f, a in zip(rows, columns, strict=True) if allowed[f, a])
-    assert isclose(rank(weights, allowed) * weights.sum(), best, abs_tol=1e-9)
+    assert isclose(rank(weights, *of_matrix(allowed)) * weights.sum(), best, abs_tol=1e-9)
 
 
 @given(
@@ -149,7 +153,7 @@ def test_counting_looks_gives_the_same_rank(features, there):
     weights, looks = np.array([weight for weight, _ in features]), [sorted(some) for _, some in features]
     names = [name for name, count in there.items() for _ in range(count)]
     allowed = compatible([frozenset(some) for some in looks], names)
-    assert isclose(rank_of_looks(weights, looks, there), rank(weights, allowed), abs_tol=1e-12)
+    assert isclose(rank(weights, looks, there), rank(weights, *of_matrix(allowed)), abs_tol=1e-12)
 
 
 def test_an_appearance_type_may_serve_several_feature_types():
@@ -157,7 +161,7 @@ def test_an_appearance_type_may_serve_several_feature_types():
         [frozenset({"l_junction", "arrow_junction"}), frozenset({"l_junction"})], ["l_junction", "patch"]
     )
     assert allowed.tolist() == [[True, False], [True, False]]
-    assert rank(np.array([0.9, 0.6]), allowed) == pytest.approx(0.9 / 1.5)
+    assert rank(np.array([0.9, 0.6]), *of_matrix(allowed)) == pytest.approx(0.9 / 1.5)
 
 
 def test_in_clutter_rank_saturates():
@@ -169,7 +173,7 @@ def test_in_clutter_rank_saturates():
     names = [f"t{i}" for i in range(30)]
     features = [frozenset({names[i]}) for i in rng.integers(0, 30, 100)]
     appearances = [names[i] for i in rng.integers(0, 30, 1000)]
-    assert rank(np.full(100, 0.97), compatible(features, appearances)) > 0.99
+    assert rank(np.full(100, 0.97), features, Counter(appearances)) > 0.99
 
 
 PRIORS = st.lists(st.floats(0.01, 1.0), min_size=1, max_size=6)

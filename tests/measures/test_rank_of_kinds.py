@@ -8,7 +8,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from plogic.measures.distinctiveness import compatible, kinds_of, rank, rank_of_kinds, valuation
+from plogic.measures.distinctiveness import kinds_of, rank, rank_of_kinds, valuation
 
 KINDS = st.lists(st.sampled_from("abcd"), max_size=8)
 WEIGHTS = st.sampled_from([0.0, 0.1, 0.25, 0.5, 0.5, 0.9, 1.0])
@@ -21,7 +21,7 @@ def counted(weights, types, there):
 @given(st.lists(st.tuples(st.sampled_from("abcd"), WEIGHTS), max_size=8), KINDS)
 def test_counting_is_the_best_matching(features, there):
     kinds, weights = [kind for kind, _ in features], np.array([weight for _, weight in features])
-    expected = rank(weights, compatible([frozenset(kind) for kind in kinds], there))
+    expected = rank(weights, [[kind] for kind in kinds], Counter(there))
     assert counted(weights, kinds, there) == pytest.approx(expected, abs=1e-9)
 
 

@@ -25,10 +25,11 @@ from plogic.base.clock import Stopwatch
 from plogic.base.errors import InputError
 from plogic.cycle.delta import Options
 from plogic.face.shown.options import Perceiving, written
-from plogic.facts.document import HypothesisRow, Interpretation, RejectedRow
+from plogic.facts.document import Interpretation
 from plogic.facts.interpretation import text_of
 from plogic.facts.situation import stopped_in
 from plogic.run.cameras import GivenCamera, Shot, shot_of, sized
+from plogic.run.document import accepted_in
 from plogic.run.perceive import perceiver_of
 from plogic.run.silence.beforehand import beforehand
 from plogic.run.silence.lens import focal_doubt
@@ -229,17 +230,10 @@ def _silence(document: Interpretation, gamma: Gamma, kb: KnowledgeBase) -> list[
 def _summary(document: Interpretation, clock: Stopwatch) -> str:
     """One line: what was found, whether that is all, and how long it took."""
     stopped = stopped_in(document)
-    accepted = [h for h in document["hypotheses"] if h["status"] == "accepted"]
-    names = ", ".join(f"{h['id']} {h['type']} ({_chance(h)})" for h in accepted) or "no known object"
+    names = ", ".join(accepted_in(document)) or "no known object"
     names = f"{names}; {REASONS[stopped]}" if stopped else names
     stages = ", ".join(f"{name} {seconds * 1000:.0f} ms" for name, seconds in clock.seconds.items())
     return f"{len(document['appearances'])} appearances; {names}; {stages}"
-
-
-def _chance(h: HypothesisRow | RejectedRow) -> str:
-    """A probability to three places; of what is unfinished, with its interval."""
-    low, high = h.get("interval") or (None, None)
-    return f"{h['probability']:.3f}" + ("" if low is None else f" in {low:.3f}..{high:.3f}")
 
 
 def _of_sequence(inputs: Sequence[str], options: Perceiving, say: Say, write: Say) -> int:

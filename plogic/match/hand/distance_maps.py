@@ -11,7 +11,6 @@ from dataclasses import dataclass, field
 from functools import cached_property
 from typing import Any
 
-import cv2
 import numpy as np
 from numpy.typing import NDArray
 
@@ -144,6 +143,8 @@ def distance_maps(
 
 def _draw_map(members: Indices, places: Floats, distance: NDArray[np.float32], nearest: NDArray[np.int32]) -> None:
     """Write one map (H, W) over ``distance`` and ``nearest``: of infinities and −1 where no datum is inside."""
+    import cv2  # kb check judges types without a picture
+
     distance[:], nearest[:] = np.inf, -1
     pixels = np.rint(places[members])
     # of what the lens images nowhere, False

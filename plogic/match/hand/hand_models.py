@@ -12,7 +12,6 @@ from functools import cached_property
 from math import log
 from typing import ClassVar, Self, TypeVar
 
-import cv2
 import numpy as np
 
 from geometry.arrays import Floats, Indices, Mask
@@ -30,7 +29,7 @@ from plogic.match.hand.view_cells import ViewCells, view_cells
 from plogic.match.judged.evidence import sigmas_of
 from plogic.match.judged.expectation import matched, polished, pose_of, settled
 from plogic.match.judged.type_models import SURE, Found, Given, Ranks, Request, Search, Setup, TypeModels
-from plogic.measures.distinctiveness import compatible, rank_of_looks
+from plogic.measures.distinctiveness import compatible, rank
 
 CELLS_TRIED = 24
 """View cells whose rank is taken for the tie-break of attention, about: every so many-th of them."""
@@ -111,9 +110,9 @@ class TypeIndex:
             counted, chance = self._counted(here), self._counted(by_chance, neighbourhoods=1)
             return Ranks(float(counted[0]), float(chance[0]), float(counted[1:].max(initial=0.0)))
         looks = [sorted({a.type for a in feature.appearances}) for feature in self.object_type.seen_features]
-        whole, usual = (rank_of_looks(self.weights, looks, some) for some in (here, by_chance))
+        whole, usual = (rank(self.weights, looks, some) for some in (here, by_chance))
         shown = (np.flatnonzero(seen).tolist() for seen in self.neighbourhoods[1:] if seen.any())
-        some = (rank_of_looks(self.weights[seen], [looks[f] for f in seen], here) for seen in shown)
+        some = (rank(self.weights[seen], [looks[f] for f in seen], here) for seen in shown)
         return Ranks(whole, usual, max(some, default=0.0))
 
     def _counted(self, there: Counter[str], neighbourhoods: int | None = None) -> Floats:
@@ -305,6 +304,8 @@ class HandSearch(Search):
 
 def covered_by(posed: Iterable[Hypothesis], data: Data) -> Mask:
     """(H, W) where the opaque ones of some objects stand in the ideal image: what is there may well be hidden."""
+    import cv2
+
     mask = np.zeros((data.camera.height, data.camera.width), dtype=np.uint8)
     for some in posed:
         surface = some.object_type.surface

@@ -14,6 +14,7 @@ from plogic.facts.interpretation import text_of
 from plogic.run.batch.frame_lines import DONE, UNFINISHED, Lines
 from plogic.run.batch.frames import Frame, Settings
 from plogic.run.cameras import Shot, shot_with
+from plogic.run.document import accepted_in
 from plogic.run.perceive import perceiver_of
 from plogic.run.sources import detected, kb_of
 from plogic.run.video.video import frame_name
@@ -112,7 +113,7 @@ class Watcher:
             placed: Interpretation = {"format": document["format"], "moment": row, **document}
             status, line = UNFINISHED if document.get("unfinished") else DONE, text_of(placed).encode()
         picture = None if self._draw is None else self._draw(document, moment.pixels)
-        return Seen(status, line, _known(document), notes=(*shot.notes, *moment.notes), picture=picture)
+        return Seen(status, line, accepted_in(document), notes=(*shot.notes, *moment.notes), picture=picture)
 
     def _shot(self, pixels: "NDArray[np.uint8]", name: str) -> Shot:
         """A frame with the camera, which is read once for all frames of a size."""
@@ -128,9 +129,3 @@ def _stem(source: str) -> str:
     """What the names of frames begin with."""
     number = device_number(source)
     return f"camera{number}" if number is not None else "stdin" if source == "-" else source
-
-
-def _known(document: Interpretation) -> tuple[str, ...]:
-    """The accepted objects: ``h1 t1 (0.941)``."""
-    accepted = [h for h in document["hypotheses"] if h["status"] == "accepted"]
-    return tuple(f"{h['id']} {h['type']} ({h['probability']:.3f})" for h in accepted)

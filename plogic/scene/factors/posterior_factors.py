@@ -68,11 +68,7 @@ def datum_of(claims: list[Claim], clutter: float) -> Datum:
 
 def scope_of(claims: Sequence[Claim]) -> Scope:
     """The variables that have a say."""
-    scope = {claim.variable for claim in claims}
-    for claim in claims:
-        if claim.hiders:
-            scope.update([v for v, _ in claim.hiders])
-    return tuple(sorted(scope))
+    return tuple(sorted({c.variable for c in claims} | {v for c in claims for v, _ in c.hiders}))
 
 
 def add_datum(tables: Tables, datum: Datum, scope: Scope, cards: tuple[int, ...]) -> None:

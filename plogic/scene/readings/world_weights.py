@@ -159,8 +159,7 @@ def shares_of(densities: list[float], clutter: float) -> Shares:
     shares = alternative([*densities, clutter])
     if not shares:
         return Shares([0.0] * len(densities), 0.0, 1.0)
-    noise = shares.pop()
-    return Shares(shares, noise, sum(densities) + clutter)
+    return Shares(shares[:-1], shares[-1], sum(densities) + clutter)
 
 
 def group_shares(scene: Scene) -> dict[str, list[tuple[str, float]]]:

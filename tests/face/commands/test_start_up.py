@@ -44,7 +44,7 @@ def test_help_imports_nothing_heavy(args):
 
 
 def test_a_command_that_reads_a_kb_imports_no_simulator_and_no_image_library():
-    found = imported("kb", "show", "towers")  # check judges types as the search does, which draws
+    found = imported("kb", "check", "towers")
     assert "pydantic" in found
     assert not found & {"pybullet", "cv2"}
 

@@ -2,12 +2,13 @@
 
 import numpy as np
 import pytest
+from scipy.optimize import least_squares
+from scipy.spatial.transform import Rotation
 
 from geometry.camera import centred_camera
 from geometry.frames import from_rotation_translation, transform_points, turn_about
-from geometry.poses.focal import focal_step
+from geometry.poses.focal import focal_fit
 from geometry.poses.refine import refine_poses
-from geometry.poses.register import fitted_focal
 
 RIGHT = centred_camera((640, 480), 600.0)
 
@@ -28,30 +29,48 @@ def best(points, uv, camera, pose):
     return poses[0]
 
 
-def test_the_standard_error_is_that_of_the_step():
+def test_the_standard_error_is_that_of_what_is_found():
     rng = np.random.default_rng(0)
     found = []
     for _ in range(300):
         points, uv, pose = seen(rng)
-        step, error = focal_step(points, uv, RIGHT, best(points, uv, RIGHT, pose))
-        found.append(step / error)
+        fit = focal_fit(points, uv, RIGHT, best(points, uv, RIGHT, pose))
+        found.append(fit.log / (fit.noise * fit.error))
     assert abs(np.mean(found)) < 0.2
     assert 0.85 < np.std(found) < 1.15
     assert np.abs(found).max() < 4.0
 
 
 @pytest.mark.parametrize("wrong", [0.7, 0.85, 1.25, 1.6])
-def test_a_wrong_focal_length_is_seen_and_the_fit_finds_the_right_one(wrong):
+def test_a_wrong_focal_length_is_seen_and_the_right_one_and_the_pose_found(wrong):
     rng = np.random.default_rng(1)
     camera = centred_camera((640, 480), 600.0 * wrong)
     for _ in range(20):
         points, uv, pose = seen(rng, noise=0.5, depth=2.5)
-        near = best(points, uv, camera, pose)
-        step, error = focal_step(points, uv, camera, near)
-        assert step / error * np.sign(1.0 - wrong) > 4.0
-        told, sure = fitted_focal(points, uv, camera, near)
-        assert abs(told + np.log(wrong)) < 5.0 * sure
+        fit = focal_fit(points, uv, camera, best(points, uv, camera, pose))
+        sure = fit.noise * fit.error
+        assert fit.log / sure * np.sign(1.0 - wrong) > 4.0
+        assert abs(fit.log + np.log(wrong)) < 5.0 * sure
         assert sure < 0.1
+        assert np.linalg.norm(fit.pose[:3, 3] - pose[:3, 3]) < 0.3
+        assert fit.noise == pytest.approx(0.5, abs=0.2)
+
+
+def test_it_is_scipys_least_squares():
+    rng = np.random.default_rng(3)
+    points, uv, pose = seen(rng, noise=0.7, depth=2.5)
+
+    def off(x):
+        moved = from_rotation_translation(Rotation.from_rotvec(x[1:4]).as_matrix() @ pose[:3, :3], pose[:3, 3] + x[4:])
+        placed = transform_points(moved, points)
+        return (placed[:, :2] / placed[:, 2:] * 600.0 * np.exp(x[0]) + RIGHT.K[:2, 2] - uv).ravel()
+
+    answer = least_squares(off, np.zeros(7), method="lm", xtol=1e-14, ftol=1e-14)
+    fit = focal_fit(points, uv, RIGHT, pose)
+    assert fit.log == pytest.approx(answer.x[0], abs=1e-6)
+    assert fit.noise == pytest.approx(np.sqrt((answer.fun**2).sum() / (2 * len(points) - 7)), abs=1e-6)
+    covariance = np.linalg.inv(answer.jac.T @ answer.jac)
+    assert fit.error == pytest.approx(np.sqrt(covariance[0, 0]), rel=1e-4)
 
 
 def test_what_fixes_no_focal_length_says_nothing():
@@ -59,7 +78,6 @@ def test_what_fixes_no_focal_length_says_nothing():
     flat = np.concatenate([rng.uniform(-0.5, 0.5, (20, 2)), np.zeros((20, 1))], axis=1)
     pose = from_rotation_translation(np.eye(3), [0, 0, 4.0])
     uv = RIGHT.project(transform_points(pose, flat))
-    assert focal_step(flat, uv, RIGHT, pose)[1] > 1.0
-    assert focal_step(flat[:5], uv[:5], RIGHT, pose) == (0.0, np.inf)
+    assert focal_fit(flat, uv, RIGHT, pose).error > 2.0
     behind = from_rotation_translation(np.eye(3), [0, 0, -4.0])
-    assert focal_step(flat, uv, RIGHT, behind) == (0.0, np.inf)
+    assert focal_fit(flat, uv, RIGHT, behind).error == np.inf

@@ -4,7 +4,10 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from hypothesis import given
+from hypothesis import strategies as st
 
+from kb.clouds import cloud
 from kb.clouds.lobes import Branch, build_tree, features_of
 from kb.files.folder import shipped
 from kb.files.read import read_kb
@@ -51,3 +54,15 @@ def test_without_a_surface_or_without_parts_there_are_no_bodies(towers):
     assert replace(kind, surface=None).part_bodies == {}
     alone = build_tree(Branch("object", "t1", "t1", parts=[Branch("feature", "corner", "corner")]))
     assert replace(kind, tree=alone).part_bodies == {}
+
+
+@given(st.integers(0, 2**32 - 1), st.integers(1, 60), st.integers(1, 20))
+def test_of_many_a_tree_finds_what_all_distances_find(seed, points, places):
+    rng = np.random.default_rng(seed)
+    at, spots = rng.integers(0, 4, (points, 3)) * 0.1, rng.integers(0, 4, (places, 3)) * 0.1  # many are equally near
+    few, cloud.FEW = cloud.FEW, 0
+    try:
+        by_tree = cloud._nearest(at, spots)
+    finally:
+        cloud.FEW = few
+    assert by_tree.tolist() == cloud._nearest(at, spots).tolist()

@@ -132,7 +132,10 @@ def test_where_only_the_first_frame_is_late_nothing_is_lost_either(waiting, tmp_
         f"plogic: {beside}: is there already: --resume goes on with it; else remove it, or name another\n",
     )
     run = plogic("batch", *args, "--resume", cwd=tmp_path)
-    assert run.stderr.splitlines()[-1] == f"{out}: 3 frames, 2 of them before"
+    assert run.stderr == (
+        "nothing found in 3 frames, first frames/g0.json (plogic perceive frames/g0.json, with the same KB and camera, "
+        f"tells why)\n{out}: 3 frames, 2 of them before\n"
+    )
     assert [json.loads(line)["input"] for line in out.read_bytes().splitlines()] == [*args[:3]]
     assert not beside.exists()
 
