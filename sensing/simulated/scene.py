@@ -45,8 +45,9 @@ GAP = 0.08
 """Units of the scene that footprints keep from one another."""
 ATTEMPTS = 400
 ROOM = 3
-"""Shapes up to which the floor is of one size; it grows as they are more: on the same floor four towers found no room for
-two of three seeds (1 and 3 of 0, 1, 3), on this for none of 0 to 4 (`plogic simulate --kb towers --objects 4 --gamma`)."""
+"""Shapes up to which the floor is of one size; it grows as they are more: on the same floor four towers found no
+room for two of three seeds (1 and 3 of 0, 1, 3), on this for none of 0 to 4
+(`plogic simulate --kb towers --objects 4 --gamma`)."""
 
 
 @dataclass(frozen=True, eq=False)
