@@ -4,6 +4,7 @@ const edges = block('edges');
 const runs = (h) => (Object.hasOwn(edges, h.id) ? edges[h.id] : []);
 const unseen = (h, [, own, by]) => Boolean(own && h.opaque !== false) || by.some((g) => hides(g, h));
 const pathOf = (some) => some.map((run) => 'M' + run.slice(3).join(' ')).join('');
+const ends = (run) => run.slice(3).reduce((points, x, i) => (i % 2 ? (points[points.length - 1].push(x), points) : [...points, [x]]), []);
 
 const DASHES = {seen: null, unseen: '6 4.5', hint: '0.1 5'};
 function line(d, c, inner, how) {
