@@ -16,6 +16,7 @@ from scipy.spatial import ConvexHull
 
 from cli import cli
 from kb.files.folder import shipped
+from plogic.face.python.interpretation import TITLES
 
 TABLE = {  # A, C, B, D of apex, corner and other, and ev as the paper prints it
     "T2 distorted": ((1, 0, 0, 0), (0, 6, 1, 2), (1, 16, 12, 16), -0.51),
@@ -98,6 +99,14 @@ def test_every_mode_is_told_by_measures_and_the_figure_has_four_panels(shown):
     assert [round(t1[mode], 2) for mode in modes] == [1.0] * 4
     assert round(distorted["ev"], 2) == -0.51
     assert cv2.imread(str(folder / "figure-5.png")).shape[0] > 1000
+
+
+def test_the_columns_of_measures_are_told_in_words_of_the_formalism(shown):
+    done = CliRunner().invoke(cli, ["measures", str(shown[1] / "interpretation.json")], catch_exceptions=False)
+    told = [line.split("  ")[0] for line in done.stdout.split("columns\n")[1].split("\n\n")[0].splitlines()]
+    assert told == [name for name in TITLES.values() if name != "Δ's dv"]
+    assert "Δ's dv: over Δi (§5.1)" in done.stdout
+    assert all(title in done.stdout.splitlines()[2] + done.stdout.splitlines()[3] for title in ("to_B", "Shanahan"))
 
 
 def meets(origin, point, body):
