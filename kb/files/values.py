@@ -120,7 +120,10 @@ def _quaternion(value: object) -> tuple[float, ...]:
 def _half_angle(value: object) -> float:
     size = angle(value)
     if not 0 < size <= math.pi + 1e-9:
-        raise ValueError(f"must be above 0 and at most 180 deg, not {math.degrees(size):.6g} deg")
+        unit = _split(value)[1] if isinstance(value, str) else "rad"
+        told = f"must be above 0 and at most {math.pi / ANGLES[unit]:.6g} {unit}, not {size / ANGLES[unit]:.6g} {unit}"
+        degrees = not isinstance(value, str) and 0 < size <= 180
+        raise ValueError(f"{told}; a plain number is in rad: for degrees write '{value} deg'" if degrees else told)
     return min(size, math.pi)
 
 

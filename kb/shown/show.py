@@ -14,6 +14,7 @@ from kb.clouds.cloud import KnowledgeBase, ObjectType
 from kb.clouds.lobes import Feature, Lobe, object_nodes
 from kb.shown.cautions import cautions, learned_summary
 from kb.shown.seen_from import MOST_NAMED
+from kb.surfaces.symmetries import symmetry_words
 
 CLOSE = 0.01
 """A symmetry may move the surface's vertices by this share of its diameter."""
@@ -35,8 +36,7 @@ def _count(number: int, thing: str) -> str:
 
 def _summary(kind: ObjectType) -> Iterator[str]:
     body = f"{len(kind.surface.triangles)} facets, {kind.surface.volume:.4g} m3" if kind.surface else "no surface"
-    symmetries = _count(len(kind.symmetries), "symmetry").replace("symmetrys", "symmetries")
-    body += f", {'opaque' if kind.opaque else 'not opaque'}, {symmetries}"
+    body += f", {'opaque' if kind.opaque else 'not opaque'}, {symmetry_words(kind.symmetries)}"
     if kind.learned is not None:
         first, second = learned_summary(kind).lines
         yield f"{kind.name}: {first}, {body}"

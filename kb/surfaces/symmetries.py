@@ -73,6 +73,19 @@ def symmetry_entries(group: ArrayLike) -> list[dict[str, Any]]:
     return _turns(moves) or [_motion(motion) for motion in moves]
 
 
+def symmetry_words(group: ArrayLike) -> str:
+    """``group`` (S, 4, 4) for people: ``no symmetry``, ``2-fold symmetry``; the identity is none."""
+    number = len(np.asarray(group))
+    if number <= 1:
+        return "no symmetry"
+    about = [motion[:3, :3] for motion in np.asarray(group, dtype=float)[1:]]
+    axes = [np.asarray(quat_xyzw_from_rotation(turn))[:3] for turn in about]
+    one_axis = np.linalg.matrix_rank(np.array(axes), tol=CLOSES) == 1
+    if one_axis and number == CONTINUOUS:
+        return "symmetric in any turn about an axis"
+    return f"{number}-fold symmetry" if one_axis else f"{number} symmetric poses"
+
+
 def _turns(moves: Sequence[NDArray[np.float64]]) -> list[dict[str, Any]]:
     """One axis through the origin, where all motions are turns about it by multiples of one angle."""
     smallest = min(moves, key=lambda motion: float(rotation_angle(motion[:3, :3])), default=None)

@@ -76,11 +76,13 @@ def refusal(task: Task, state: State, hypothesis: Hypothesis) -> str | None:
 
 def _unsupported(task: Task, state: State, hypothesis: Hypothesis) -> str | None:
     """Why its own evidence, beside Δi, does not carry it: what is hidden there is not expected."""
-    found, model = hypothesis.expected(hypothesis.hidden) & hypothesis.detected, task.models[hypothesis.type]
+    expected, model = hypothesis.expected(hypothesis.hidden), task.models[hypothesis.type]
+    found = expected & hypothesis.detected
     number = int(found.sum())
     if number < FEWEST:
         return f"{f'only {number}' if number else 'none'} of its expected features detected; {FEWEST} are demanded"
-    if hypothesis.axes is None and not found[model.anchors].any():  # where angles count, any features start it
+    shown = hypothesis.axes is None and expected[model.anchors].any()  # where angles count, any features start it
+    if shown and not found[model.anchors].any():
         return "none of its most distinctive features was detected"
     if hypothesis.ev_reconsidered is None or hypothesis.ev_reconsidered <= 0.0:
         return f"ev {rounded(hypothesis.ev_reconsidered)} is not above 0"

@@ -6,7 +6,7 @@ in every world (``left_out`` per hypothesis, and one feature that stands for tho
 "noise").
 """
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from typing import TYPE_CHECKING, cast
 
 import numpy as np
@@ -79,7 +79,7 @@ def document_of(
     counts, dv = instance_counts(kb.types), delta.dv
     over_types = types_told(distinctiveness(counts), kb, situation.hypotheses)
     kinds = {b.object_type.name: b.object_type for b in delta.beliefs.values()}
-    return {
+    document: Interpretation = {
         "format": FORMAT,
         "reading": situation.reading,
         "reconsider": situation.reconsider,
@@ -111,6 +111,11 @@ def document_of(
         "assets": {**image_asset(image), **mesh_assets(kinds)},
         "trace": trace,
     }
+    better = surpassed(document)
+    for row in document["hypotheses"]:
+        if row["id"] in better:
+            row["why"] = f"{row['why']}; {better[row['id']]}"
+    return document
 
 
 def _shares(situation: Situation, over_types: dict[str, float], shares: Mapping[str, float]) -> SharesRow:
@@ -246,6 +251,25 @@ def _rejected(rejected: Sequence[Hypothesis], gamma: Gamma, dv: Mapping[str, flo
 def accepted_in(document: Interpretation) -> tuple[str, ...]:
     """The accepted objects: ``h1 t1 (0.941)``; of what is unfinished, with the interval."""
     return tuple(f"{h['id']} {h['type']} ({_chance(h)})" for h in document["hypotheses"] if h["status"] == "accepted")
+
+
+def surpassed(document: Interpretation) -> dict[str, str]:
+    """Of each accepted hypothesis, by id, that has a more probable rival: that one, in words."""
+    pairs = {tuple(fact["args"]) for fact in document["facts"] if fact["fact"] in ("overlap", "rival", "exclusive")}
+    rows = [h for h in document["hypotheses"] if h["status"] != "rejected"]
+    found: dict[str, str] = {}
+    for h in (row for row in rows if row["status"] == "accepted"):
+        rivals = [r for r in rows if r["status"] != "accepted" and (_are(h, r, pairs) or r["group"] == h["group"])]
+        best = max(rivals, key=lambda r: r["probability"], default=h)
+        if best["probability"] > h["probability"]:
+            told = f"{best['id']} ({best.get('label') or best['type']}, P {_chance(best)})"
+            found[h["id"]] = f"{told} is a more probable reading of the same data"
+    return found
+
+
+def _are(one: HypothesisRow, other: HypothesisRow, pairs: Collection[tuple[str, ...]]) -> bool:
+    """Whether some fact names the two of them."""
+    return (one["id"], other["id"]) in pairs or (other["id"], one["id"]) in pairs
 
 
 def _chance(h: HypothesisRow) -> str:

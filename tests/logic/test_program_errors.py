@@ -6,11 +6,14 @@ import pytest
 
 from plogic.base.errors import (
     InconsistentError,
+    LimitError,
     NegativeCycleError,
     NonGroundError,
     ProgramError,
     UnknownPredicateError,
 )
+from plogic.logic.safety.recursion import endless
+from plogic.logic.served.engine import Limits, Text, run
 from plogic.logic.served.program_child import reply_to, serve
 
 
@@ -211,3 +214,31 @@ def reason_of(text, given=()):
 )
 def test_impossible_evidence_is_named(program, given, said):
     assert reason_of(program, given).endswith(said)
+
+
+def test_a_recursion_without_end_is_named_beside_the_limit():
+    program = Text("even(0).\neven(N) :- M is N+2,\n           even(M).\n", "u.pl")
+    with pytest.raises(LimitError) as caught:
+        run([program], ["even(1)"], limits=Limits(seconds=3))
+    assert str(caught.value) == (
+        "the inference took longer than 3 s; recursion without end? even/1 calls itself: even(M) (u.pl:3:12)"
+    )
+
+
+@pytest.mark.parametrize(
+    ("program", "goal", "said"),
+    [
+        (
+            "n(X) :- m(s(X)).\nm(X) :- n(X).",
+            "n(0)",
+            "recursion without end? n/1 calls itself by way of m/1: m(s(X)) (u.pl:1:9)",
+        ),
+        ("path(X, Y) :- path(X, Z), edge(Z, Y).\npath(X, X).\nedge(1, 2).", "path(1, Y)", ""),
+        ("length_of([], 0).\nlength_of([_|T], N) :- length_of(T, M), N is M+1.", "length_of([a], N)", ""),
+        ("up(N) :- M is N+1, up(M).\nother(1).", "other(X)", ""),
+        ("up(N) :- M is N+1, up(M).\nquery(up(0)).", "", "recursion without end? up/1 calls itself: up(M) (u.pl:1:20)"),
+    ],
+    ids=["by way of another", "answered from a table", "what grows smaller", "not asked for", "by a query of its own"],
+)
+def test_a_recursion_is_suspected_where_what_is_asked_calls_itself_with_more(program, goal, said):
+    assert endless([{"text": program, "file": "u.pl"}], [goal] if goal else []) == said

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import pytest
 from situations import towers
 
@@ -44,6 +46,26 @@ def test_the_account_carries_the_summary_and_its_probability_is_the_programs():
     account = explain(scene, "present(t2)", most=1)
     assert account.summary == present(scene, "present(t2)").summary
     assert account.probability == pytest.approx(present(scene, "present(t2)").probability, abs=1e-9)
+
+
+def test_what_takes_the_rest_of_p_ev_is_told():
+    """Its rival; and an occluder that may be absent, for P(ev) is that beside it."""
+    scene = towers(mode="to_B", smoothing=0.01)
+    account = present(scene, "present(t2)")
+    lines = [line for line in account.summary if "less than P(ev)" in line]
+    rival, occluder = lines
+    assert "its rival t2 t2_distorted is never together with it" in rival
+    without = replace(scene, overlaps=frozenset(), exclusive=frozenset())
+    assert float(rival.rsplit(" ", 1)[1]) == pytest.approx(ranked_worlds(without, 1).marginals["t2"], abs=1e-4)
+    assert "which is that beside t1 t1" in occluder
+
+
+def test_where_nothing_takes_of_it_nothing_is_said():
+    scene = towers(mode="to_B")
+    alone = replace(scene, hypotheses=scene.hypotheses[:1], overlaps=frozenset(), exclusive=frozenset())
+    alone = replace(alone, rivals=frozenset(), relations=())
+    assert present(alone, f"present({alone.hypotheses[0].id})").summary
+    assert not [s for s in present(alone, f"present({alone.hypotheses[0].id})").summary if "less than" in s]
 
 
 def test_other_goals_have_no_summary():

@@ -10,15 +10,16 @@ from dataclasses import asdict
 from typing import TYPE_CHECKING
 
 from plogic.base.errors import InputError, LimitError
-from plogic.face.python.asking import EXPLANATIONS, opened
+from plogic.face.python.asking import EXPLANATIONS, Asked, Program, opened
 from plogic.face.session.minds import ranked
 from plogic.face.session.results import Answers, World, Worlds
 from plogic.face.shown.figures import chance, interval
-from plogic.face.shown.options import Asking
+from plogic.face.shown.options import Asking, say
 from plogic.facts.document import WorldRow
 from plogic.facts.situation import Reading
 from plogic.facts.spatial import exclusion_lines, exclusions
 from plogic.logic.safety.atoms import quoted
+from plogic.logic.safety.author import load_problog
 from plogic.logic.served.engine import TOO_DEEP, ProgramRanking
 from plogic.run.sources import is_program
 from plogic.scene import document as rows
@@ -43,7 +44,7 @@ def worlds_command(
     source: str, number: int, given: Sequence[str], options: Asking, *, as_json: bool
 ) -> tuple[str, int]:
     """The ranked worlds, taken anew, so that any number of them can be had; exit 3 where the deadline was reached."""
-    asked = opened(source, options.reading, trust=options.trust, withhold=options.withhold)
+    asked = _opened(source, options)
     found, ranking = ranked(asked.beside(options.rules), number, given, asked.limits, options.deadline)
     if is_program(source):
         return _of_text(found, ranking, None, as_json=as_json)
@@ -53,6 +54,26 @@ def worlds_command(
     if isinstance(ranking, ProgramRanking):
         return _of_text(found, ranking, asked.reading, as_json=as_json)
     return _of_graph(asked, found, ranking, number, as_json=as_json)
+
+
+def _opened(source: str, options: Asking) -> Asked:
+    """What the file holds; of a plain program it is said what only looks like a constraint."""
+    asked = opened(source, options.reading, trust=options.trust, withhold=options.withhold)
+    if isinstance(asked, Program):
+        for line in _idle(asked):
+            say(line)
+    return asked
+
+
+def _idle(program: Program) -> list[str]:
+    """Without ProbLog where the text cannot hold any."""
+    lines = [line.lstrip() for line in program.text.splitlines()]
+    if not any(line.startswith(":-") or "constraint" in line for line in lines):
+        return []
+    load_problog()
+    from plogic.logic.safety.added import idle
+
+    return idle(program.text, program.file)
 
 
 def _of_graph(
@@ -160,7 +181,7 @@ def query_command(
 
     Exit 3 where the deadline was reached, answers then being intervals.
     """
-    asked = opened(source, options.reading, trust=options.trust, withhold=options.withhold)
+    asked = _opened(source, options)
     found = asked.query(goal, given=given, rules=options.rules, deadline=options.deadline)
     document: rows.Answers = {
         "format": "answers/1",
@@ -197,7 +218,7 @@ def explain_command(
 
     With a ``number`` of None the presence of an interpretation's hypothesis is summed up over its features instead.
     """
-    asked = opened(source, options.reading, trust=options.trust, withhold=options.withhold)
+    asked = _opened(source, options)
     try:
         found = asked.explain(
             goal, given=given, rules=options.rules, n=EXPLANATIONS if number is None and as_json else number

@@ -7,7 +7,7 @@ a Γ and three poses. No count is stored: Expected and Detected are computed as 
 import json
 from collections import Counter
 from collections.abc import Callable, Mapping
-from dataclasses import asdict
+from dataclasses import asdict, replace
 from pathlib import Path
 from typing import cast
 
@@ -24,7 +24,8 @@ from plogic.face.shown.overlay import overlay
 from plogic.face.shown.tables import plain_table, text_of_table, worlds
 from plogic.facts.document import FeatureRow, HypothesisRow, Interpretation, RejectedRow
 from plogic.facts.hypothesis import Hypothesis
-from plogic.facts.interpretation import text_of
+from plogic.facts.interpretation import situation_of, text_of
+from plogic.facts.spatial import exclusion_lines
 from plogic.match.gamma.data import data_of
 from plogic.match.judged.evidence import judged
 from plogic.match.judged.rivals import hidden_among
@@ -32,6 +33,7 @@ from plogic.measures.explanatory import Cells, Support, case_of, explanatory_val
 from plogic.run.document import document_of
 from plogic.run.perceive import Perceiver, ranked
 from plogic.run.sources import kb_of
+from plogic.scene.worlds.ranked_worlds import ranked_worlds
 from sensing.appearance import Gamma
 from sensing.files.gamma_files import gamma_to_dict, read_gamma
 from sensing.simulated.scene import json_bytes, png
@@ -73,7 +75,9 @@ def run_paper(out: Path, *, say: Callable[[str], None], as_json: bool = False) -
     ]
     table = plain_table("Table 1: of each feature type E∧D, E∧¬D, ¬E∧¬D, ¬E∧D", rows)
     ends = f"look at {out}/figure-5.png; ask {out}/interpretation.json, with plogic measures for the other modes"
-    return "\n".join([table, text_of_table(worlds(document)), "", ends])
+    return "\n".join(
+        [table, text_of_table(worlds(document)).rstrip(), *exclusion_lines(document), _else(document), "", ends]
+    )
 
 
 def _posed(perceiver: Perceiver, gamma: Gamma, stored: Mapping[str, list[dict[str, object]]]) -> dict[str, Hypothesis]:
@@ -112,6 +116,17 @@ def _document(perceiver: Perceiver, gamma: Gamma, posed: Mapping[str, Hypothesis
     cycle = Cycle(accepted, (rival,), (), (), Trace())
     delta, ranking = ranked(delta_of(cycle, data, kb, perceiver.dv, Options(reconsider="drop")), [])
     return document_of(kb, gamma, delta, (), [], ranking, None)
+
+
+def _else(document: Interpretation) -> str:
+    """The worlds were the distorted pose discrete from T1, as §8 takes it, which has no geometry."""
+    situation = situation_of(document)
+    t1, _, distorted = (h.id for h in situation.hypotheses)
+    pair = {(t1, distorted)}
+    freed = replace(situation, overlaps=situation.overlaps - pair, exclusive=situation.exclusive - pair)
+    names = {h.id: f"{h.type} {h.id}" for h in situation.hypotheses}
+    found = (f"{', '.join(names[h] for h in w.present)}: {w.probability:.3f}" for w in ranked_worlds(freed).worlds)
+    return f"without the last of these, as where cells alone are counted, there are three worlds: {'; '.join(found)}"
 
 
 def _figure(document: Interpretation, posed: Mapping[str, Hypothesis], waived: Mask) -> NDArray[np.uint8]:

@@ -74,8 +74,8 @@ def missing_document(document: Interpretation, name: str, kb: KnowledgeBase | No
 
 
 def _causes(document: Interpretation, gamma: Gamma, kb: KnowledgeBase, kind: ObjectType, rows: list[Any]) -> list[str]:
-    """Why it is missing; nothing where it was accepted."""
-    if any(h["status"] == "accepted" for h in rows):
+    """Why it is missing; nothing where it is not, being accepted or a rival, whose reasons are told."""
+    if any(h["status"] != "rejected" for h in rows):
         return []
     if not kind.features:
         return [f"{kind.name}: has no features, so it is never found; learn them: plogic kb learn {kind.name}"]
@@ -155,18 +155,20 @@ def _poses(told: dict[str, Any], source: str) -> Iterator[str]:
     """What was tried, and what the best lacked."""
     best, number = told["best"], told["rejected"]
     stands = [h["id"] for h in told["in_delta"] if h["status"] == "accepted"]
-    before = f"{', '.join(stands)} {'stand' if len(stands) > 1 else 'stands'} there; of others, " if stands else ""
+    held = [h["id"] for h in told["in_delta"] if h["status"] != "accepted"]
+    there = [f"{', '.join(stands)} {'stand' if len(stands) > 1 else 'stands'} there"] * bool(stands)
+    there += [f"{', '.join(held)} {'are' if len(held) > 1 else 'is'} held in other worlds"] * bool(held)
+    before = f"{'; '.join(there)}; of others, " if there else ""
     if best is None:
-        there = (
-            f"{number} rejected, none of them among those that {source} holds"
-            if number
-            else "none was kept for judgement"
-        )
-        yield f"poses: {before}{there}"
+        kept = f"{number} rejected, none of them among those that {source} holds" if number else ""
+        yield f"poses: {before}{kept or 'none was kept for judgement'}"
         return
     came = f"{best['detected']} of {best['expected']} expected features detected"
-    yield f"poses: {before}{number} rejected; the best{' of these' if stands else ''}, {best['distance']:.2g} m away, has {came}"
+    yield f"poses: {before}{number} rejected; the best{' of these' if there else ''}, {best['distance']:.2g} m away, has {came}"
     if best["missed"]:
         more = f" and {len(best['missed']) - NAMED} more" if len(best["missed"]) > NAMED else ""
         yield f"  missed: {', '.join(best['missed'][:NAMED])}{more}"
+    claimed = best["expected"] - best["detected"] - len(best["missed"] or ())
+    if best["missed"] is not None and claimed > 0:
+        yield f"  {claimed} more have data near them that fit others, or that accepted objects claim"
     yield f"  rejected, for: {best['why']}"

@@ -29,7 +29,7 @@ from plogic.facts.document import Interpretation
 from plogic.facts.interpretation import text_of
 from plogic.facts.situation import stopped_in
 from plogic.run.cameras import GivenCamera, Shot, shot_of, sized
-from plogic.run.document import accepted_in
+from plogic.run.document import accepted_in, surpassed
 from plogic.run.perceive import perceiver_of
 from plogic.run.silence.beforehand import beforehand
 from plogic.run.silence.lens import focal_doubt
@@ -88,7 +88,7 @@ def _of_one(source: str, options: Perceiving, say: Say, write: Say) -> int:
         with clock.stage("doubts"):
             document = doubts_weighed(document)
     status = _write_all(document, options, image, clock, write)
-    amiss = _impossible(document), _lens(document, gamma), _doubts(document)
+    amiss = _surpassed(document), _impossible(document), _lens(document, gamma), _doubts(document)
     for line in (*_silence(document, gamma, kb), _summary(document, clock), *chain(*amiss)):
         say(line)
     return status
@@ -122,7 +122,7 @@ def _of_pair(inputs: Sequence[str], options: Perceiving, stereo: str, say: Say, 
     status = _write_all(document, options, image, clock, write)
     deep = sum(a.depth is not None for a in gamma.appearances)
     say(f"{len(right.appearances)} appearances in the right image; {deep} of the left one's have depth")
-    for line in (*_silence(document, gamma, kb), _summary(document, clock)):
+    for line in (*_silence(document, gamma, kb), _summary(document, clock), *_surpassed(document)):
         say(line)
     return status
 
@@ -210,6 +210,11 @@ def _impossible(document: Interpretation) -> list[str]:
         for h in document["hypotheses"]
         if h["status"] == "accepted" and h["probability"] == 0.0
     ]
+
+
+def _surpassed(document: Interpretation) -> list[str]:
+    """A line for each accepted hypothesis that has a more probable rival."""
+    return [f"{line} than {name}" for name, line in surpassed(document).items()]
 
 
 def _lens(document: Interpretation, gamma: Gamma) -> list[str]:

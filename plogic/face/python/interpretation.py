@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from plogic.base.errors import InputError
 from plogic.face.python.asking import Asked, Program
-from plogic.face.session.blocks import Block, Column, Result, Rows, Table
+from plogic.face.session.blocks import Block, Column, Lines, Result, Rows, Table
 from plogic.face.session.results import World, Worlds
 from plogic.face.shown.figures import chance, interval, signed
 from plogic.facts import document as rows
@@ -39,6 +39,18 @@ TITLES = {
     "rank": "rank",
 }
 """Titles of a hypothesis' measures in the table."""
+LEGEND = (
+    "ev          explanatory value of the hypothesis alone, ((A+B) - (C+D)) / (A+B+C+D), cells weighed by dv (§5.4)",
+    "to_B        ev beside Δi (§5.5): what an accepted object hides is not expected, so that case C becomes B",
+    "drop        the same, the C cells so explained leaving the sum",
+    "reassign    as to_B, and the D items that another object claims leave the sum too",
+    "ev, Δ's dv  ev alone, with dv over the instances in Δi, not over the types of Σo (§5.1)",
+    "Shanahan    P(Q) over the sum of P(Q) of it and its rivals, Q being the explanation and no other (§5.7)",
+    "posterior   P(present) in the posterior reading, given Γ, priors and rates (§8)",
+    "dv          mean distinctiveness, 1 - |S(F)|/|S|, of its detected features over Σo; Δ's dv: over Δi (§5.1)",
+    "rank        of its type: the greatest share of its dv that Γ can be matched to, whatever the pose (§5.3)",
+)
+"""The columns in words of the formalism."""
 FEATURES = (
     Column("feature type"),
     Column("dv over types", right=True),
@@ -68,7 +80,8 @@ class Measures(Rows[Measure]):
         rows = tuple((f"{h.type} {h.id}", h.status, *(_cell(h, name) for name in TITLES)) for h in self.hypotheses)
         kinds = tuple((f.type, chance(f.over_types), chance(f.over_instances)) for f in self.features)
         over = "" if self.dv_over == "types" else ", ev weighed by dv over the instances in Δ"
-        return Table(f"hypotheses{over}", columns, rows), Table("feature types", FEATURES, kinds)
+        legend = Lines("columns", LEGEND)
+        return Table(f"hypotheses{over}", columns, rows), Table("feature types", FEATURES, kinds), legend
 
 
 def measures_of(document: rows.Interpretation) -> Measures:

@@ -30,13 +30,32 @@ SIGNS: dict[str, tuple[tuple[tuple[int, int], ...], ...]] = {
     "y_junction": (((0, 5), (0, 0), (-4, -4)), ((0, 0), (4, -4))),
     "arrow_junction": (((0, 5), (0, -5)), ((-4, -1), (0, -5), (4, -1))),
     "t_junction": (((-4, -4), (4, -4)), ((0, -4), (0, 5))),
+    "corner": (((-4, 4), (-4, -4), (4, -4)),),
+    "apex": (((-5, 4), (0, -4), (5, 4)),),
+    "x_junction": (((-4, -4), (4, 4)), ((4, -4), (-4, 4))),
     "multi_junction": (((-5, 0), (5, 0)), ((0, -5), (0, 5)), ((-3, -3), (3, 3))),
 }
 OTHER = (
     (((0, -5), (5, 0), (0, 5), (-5, 0), (0, -5)),),
     (((0, -5), (5, 4), (-5, 4), (0, -5)),),
-    (((-4, -4), (4, 4)), ((4, -4), (-4, 4))),
+    (((0, 5), (5, -4), (-5, -4), (0, 5)),),
+    (((-4, -4), (4, -4), (-4, 4), (4, 4), (-4, -4)),),
+    (((-5, -2), (5, -2)), ((-5, 3), (5, 3))),
+    (((-3, -5), (-3, 5)), ((3, -5), (3, 5)), ((-3, 0), (3, 0))),
+    (((-4, -4), (4, -4), (-4, 4), (4, 4)),),
+    (((-5, -4), (-2, 4), (0, -2), (2, 4), (5, -4)),),
 )
+"""Signs of types that we do not know by name."""
+TINTS: tuple[Colour, ...] = (WHITE, (122, 226, 255), (255, 231, 155), (209, 179, 255))
+"""White, yellow, cyan and pink: once every sign is used, they are used again in the next colour."""
+
+
+def sign_of(kind: str, kinds: Sequence[str]) -> tuple[tuple[tuple[tuple[int, int], ...], ...], Colour]:
+    """The strokes and the colour of a type's sign, its own among ``len(OTHER) * len(TINTS)`` unknown ones."""
+    if kind in SIGNS:
+        return SIGNS[kind], WHITE
+    number = [name for name in kinds if name not in SIGNS].index(kind)
+    return OTHER[number % len(OTHER)], TINTS[number // len(OTHER) % len(TINTS)]
 
 
 @dataclass(frozen=True)
@@ -95,10 +114,9 @@ class Pencil:
                 self._line(centre + piece, paint, width)
 
     def sign(self, uv: Place, kind: str, kinds: list[str]) -> None:
-        """Draw the small white sign of an appearance; unknown types share a few signs, by their place in ``kinds``."""
-        centre = np.array(self.at(uv))
-        strokes = SIGNS.get(kind) or OTHER[kinds.index(kind) % len(OTHER)]
-        for paint, width in ((DARK, 4), (WHITE, 2)):
+        """Draw the small sign of an appearance, by its type's place in ``kinds`` where we do not know its name."""
+        centre, (strokes, colour) = np.array(self.at(uv)), sign_of(kind, kinds)
+        for paint, width in ((DARK, 4), (colour, 2)):
             for stroke in strokes:
                 self._line(centre + np.array(stroke, float), paint, width)
 

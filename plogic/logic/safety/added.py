@@ -16,7 +16,7 @@ from problog.logic import And, AnnotatedDisjunction, Clause, Constant, Or, Term,
 from plogic.base.errors import NegativeCycleError, ProgramError
 from plogic.logic.safety.allowlist import LOADERS, META, SPECIAL_HEADS
 from plogic.logic.safety.atoms import Names
-from plogic.logic.safety.check import Mistake, Source, check_source, heads, is_directive, with_place
+from plogic.logic.safety.check import Mistake, Source, check_source, heads, is_directive, parse, with_place
 from plogic.logic.safety.mapping import label_of, shown
 
 LAW = r"""
@@ -131,6 +131,34 @@ def mistakes(source: Source, known: frozenset[str]) -> Iterator[Mistake]:
     yield from _without_constraint(source, known)
     yield from _contradictory(source)
     yield from _negative_cycles(source)
+
+
+def idle(text: str, file: str) -> list[str]:
+    """What in a plain program looks like a constraint and excludes no world, with its place and what would exclude it.
+
+    There a ``constraint/1`` is a predicate like any other, as in stock ProbLog, and a clause without a head is called
+    once and forgotten. A text that cannot be read is told of elsewhere.
+    """
+    try:
+        source = parse(text, file)
+    except ProgramError:
+        return []
+    if any(head.signature == UNLAWFUL for head in heads_of(source)):
+        return []
+    return [str(ProgramError(reason, **source.place(term))) for reason, term in _idle(source)]
+
+
+def _idle(source: Source) -> Iterator[tuple[str, Any]]:
+    for statement in source.statements:
+        if is_directive(statement):
+            if statement.body.signature not in LOADERS | {"consult/1"}:
+                remedy = f"write excluded :- {statement.body}. evidence(\\+ excluded)."
+                yield f"a clause without a head excludes no world: {remedy}", statement.body
+            continue
+        for head in heads(statement):
+            if head.signature == CONSTRAINT:
+                remedy = "move it to a file of rules, --rules FILE, where it does"
+                yield f"{head} excludes no world in a plain program: {remedy}", head
 
 
 def _of_evidence(head: Any, body: Any) -> Iterator[str]:  # noqa: ANN401 - terms of ProbLog's

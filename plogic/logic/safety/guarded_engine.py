@@ -229,7 +229,7 @@ def _edges(sources: Iterable[Source]) -> Iterator[Edge]:
     for source in sources:
         for statement in source.statements:
             if isinstance(statement, (Clause, AnnotatedDisjunction)) and not is_directive(statement):
-                for goal, under, written in _goals(statement.body, frozenset(), None):
+                for goal, under, written in goals_under(statement.body, frozenset(), None):
                     line = (source.file, source.place(goal).get("line"))
                     at = source.file if line[1] is None else f"{source.file}:{line[1]}"
                     for head in heads(statement):
@@ -242,7 +242,7 @@ def _edges(sources: Iterable[Source]) -> Iterator[Edge]:
                         )
 
 
-def _goals(goal: Any, under: frozenset[str], outer: Any) -> Iterator[tuple[Any, frozenset[str], Any]]:  # noqa: ANN401 - terms of ProbLog's
+def goals_under(goal: Any, under: frozenset[str], outer: Any) -> Iterator[tuple[Any, frozenset[str], Any]]:  # noqa: ANN401 - terms of ProbLog's
     """Each goal of a body, what it stands under, and the literal that shows it (with its negation)."""
     if isinstance(goal, (Var, Constant)) or not isinstance(goal, Term):
         return
@@ -251,7 +251,7 @@ def _goals(goal: Any, under: frozenset[str], outer: Any) -> Iterator[tuple[Any, 
         inner = under if isinstance(goal, (And, Or)) else under | {"\\+/1" if isinstance(goal, Not) else goal.signature}
         shown = outer if isinstance(goal, (And, Or)) else outer or goal
         for position, _ in positions or [(i, 0) for i in range(len(goal.args))]:
-            yield from _goals(goal.args[position], inner, shown)
+            yield from goals_under(goal.args[position], inner, shown)
     else:
         yield goal, under, outer if under & (NEGATED | COLLECTED) and outer is not None else goal
 

@@ -191,9 +191,20 @@ def ask(request: dict[str, Any], limits: Limits) -> dict[str, Any]:
     """The reply of a fresh process; raises what went wrong in it, and LimitError when it runs out of time or memory."""
     process = _ASKED.get()
     request = _trusted(request, limits)
-    reply = _ask(request, limits) if process is None else process(request)
-    if "error" in reply:
-        _raise(reply["error"], limits)
+    try:
+        reply = _ask(request, limits) if process is None else process(request)
+        if "error" in reply:
+            _raise(reply["error"], limits)
+    except LimitError as error:
+        from plogic.logic.safety.author import load_problog
+
+        load_problog()
+        from plogic.logic.safety.recursion import endless
+
+        suspect = endless(request["texts"], request["goals"])
+        if not suspect:
+            raise
+        raise LimitError(f"{error}; {suspect}") from None
     return reply
 
 

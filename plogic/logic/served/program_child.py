@@ -58,7 +58,10 @@ def reply_to(request: dict[str, Any], tell: Tell | None = None) -> dict[str, Any
     except MemoryError:
         raise
     except RecursionError:
-        reason = "the recursion does not end, or terms are nested too deeply"
+        from plogic.logic.safety.recursion import endless
+
+        suspect = endless(request["texts"], request.get("goals", ()), grown=False)
+        reason = "the recursion does not end, or terms are nested too deeply" + (suspect and f"; {suspect}")
     except Exception as error:  # noqa: BLE001 - whatever a program makes of ProbLog must not look like a limit
         what = " ".join(f"{type(error).__name__}: {error}".split())[:300]
         reason = f"the program cannot be run ({what})"

@@ -167,6 +167,7 @@ def present(subject: Subject, goal: str, *, given: Sequence[str] = ()) -> Accoun
         return None
     from plogic.scene.asking.live import LiveScene
     from plogic.scene.asking.presence import presence
+    from plogic.scene.asking.shortfall import shortfall
 
     scene = LiveScene(subject)
     try:
@@ -179,8 +180,9 @@ def present(subject: Subject, goal: str, *, given: Sequence[str] = ()) -> Accoun
     if high == 0:
         return account
     scene.observe(goal)
-    told = presence(subject, name, scene.worlds(1).worlds[0].present)
-    return replace(account, summary=(*told, *_constrained(scene, name)))
+    world = scene.worlds(1).worlds[0].present
+    lacks = shortfall(subject, name, world, account.probability, given)
+    return replace(account, summary=(*presence(subject, name, world), *lacks, *_constrained(scene, name)))
 
 
 def _constrained(scene: "LiveScene", name: str) -> list[str]:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 
 import pytest
+from in_process import told
 
 from plogic.base.errors import InconsistentError, UnsafeProgramError
 from plogic.face.commands.asking import query_command, worlds_command
@@ -92,3 +93,44 @@ def test_trust_is_handed_down(tmp_path):
         query_command(str(path), None, (), ASKED, as_json=True)
     text, _ = query_command(str(path), None, (), Asking(trust=True), as_json=True)
     assert [(a["goal"], a["probability"]) for a in json.loads(text)["answers"]] == [("b", 0.25)]
+
+
+CONSTRAINED = "0.5::a. 0.5::b.\n{}\nquery(a). query(b).\n"
+
+
+@pytest.mark.parametrize(
+    ("clause", "said"),
+    [
+        (
+            ":- a, b.",
+            "2:5: a clause without a head excludes no world: write excluded :- a, b. evidence(\\+ excluded).",
+        ),
+        (
+            "constraint(both) :- a, b.",
+            "2:1: constraint(both) excludes no world in a plain program: move it to a file of rules, --rules FILE, where it does",
+        ),
+    ],
+)
+@pytest.mark.parametrize("command", [("query",), ("worlds",), ("explain", "a")], ids=lambda c: c[0])
+def test_what_only_looks_like_a_constraint_is_said_to_exclude_nothing(tmp_path, command, clause, said):
+    path = tmp_path / "u.pl"
+    path.write_text(CONSTRAINED.format(clause))
+    name, *goal = command
+    assert f"{path}:{said}" in told(name, path, *goal)
+
+
+def test_what_is_advised_instead_excludes_worlds(tmp_path):
+    plain, advised, rules = (tmp_path / name for name in ("plain.pl", "advised.pl", "rules.pl"))
+    plain.write_text(CONSTRAINED.format(""))
+    advised.write_text(CONSTRAINED.format("excluded :- a, b. evidence(\\+ excluded)."))
+    rules.write_text("constraint(both) :- a, b.\n")
+    for args in ((advised,), (plain, "--rules", rules)):
+        lines = told("query", *args)
+        assert not [line for line in lines if "excludes no world" in line]
+        assert [line.split() for line in lines if " a" in line or " b" in line][-2:] == [["0.333", "a"], ["0.333", "b"]]
+
+
+def test_a_library_that_is_loaded_is_no_such_thing(tmp_path):
+    path = tmp_path / "u.pl"
+    path.write_text(":- use_module(library(lists)).\n0.5::a :- member(x, [x]).\nquery(a).\n")
+    assert not [line for line in told("query", path) if "excludes no world" in line]

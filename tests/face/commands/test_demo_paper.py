@@ -16,6 +16,7 @@ from scipy.spatial import ConvexHull
 
 from cli import cli
 from kb.files.folder import shipped
+from plogic.face.python.interpretation import TITLES
 
 TABLE = {  # A, C, B, D of apex, corner and other, and ev as the paper prints it
     "T2 distorted": ((1, 0, 0, 0), (0, 6, 1, 2), (1, 16, 12, 16), -0.51),
@@ -55,6 +56,40 @@ def test_the_text_has_the_four_rows_beside_the_printed_values(tmp_path):
     ]
 
 
+def test_the_text_says_which_constraint_takes_the_third_world_of_the_formalism(tmp_path):
+    """§8: {T1, T2} 0.961 > {T1} 0.029 > {T1, T2 distorted} 0.010; in figure 5 the distorted pose reaches into T1."""
+    done = CliRunner().invoke(cli, ["demo", "--paper", "-o", str(tmp_path / "out")], catch_exceptions=False)
+    assert "t1 h1 and t2 h3 are never together (A4): they share 0.0241 m3, 227 mm deep" in done.stdout
+    assert "three worlds: t1 h1, t2 h2: 0.961; t1 h1: 0.029; t1 h1, t2 h3: 0.010" in done.stdout
+
+
+def test_perceive_says_where_a_rival_is_more_probable(shown):
+    _, folder = shown
+    out = folder.parent / "found.json"
+    done = CliRunner().invoke(
+        cli, ["perceive", "--kb", "paper", str(folder / "gamma.json"), "-o", str(out)], catch_exceptions=False
+    )
+    rows = {h["id"]: h for h in json.loads(out.read_text())["hypotheses"]}
+    said = "h3 (t2, P 0.501) is a more probable reading of the same data"
+    assert f"{said} than h2" in done.output.splitlines()
+    assert rows["h3"]["status"] == "rival"
+    assert rows["h3"]["probability"] > rows["h2"]["probability"]
+    assert rows["h2"]["why"].endswith(said), "so that the page tells it too"
+    assert "more probable" not in rows["h1"]["why"], "nobody is its rival"
+
+
+def test_explain_says_what_takes_the_rest(shown):
+    """P(ev) of h1 is 1; that h2 and h3 are never together takes some of it."""
+    _, folder = shown
+    out = folder.parent / "explained.json"
+    args = ["perceive", "--kb", "paper", str(folder / "gamma.json"), "-o", str(out)]
+    CliRunner().invoke(cli, args, catch_exceptions=False)
+    done = CliRunner().invoke(cli, ["explain", str(out), "present(h1)"], catch_exceptions=False)
+    (line,) = [line for line in done.stdout.splitlines() if "less than P(ev)" in line]
+    assert "since t2 h2 and t2 h3 are never together (they share volume, A4)" in line
+    assert line.endswith("without that it would be 0.999")
+
+
 def test_every_mode_is_told_by_measures_and_the_figure_has_four_panels(shown):
     _, folder = shown
     done = CliRunner().invoke(cli, ["measures", str(folder / "interpretation.json"), "--json"], catch_exceptions=False)
@@ -64,6 +99,14 @@ def test_every_mode_is_told_by_measures_and_the_figure_has_four_panels(shown):
     assert [round(t1[mode], 2) for mode in modes] == [1.0] * 4
     assert round(distorted["ev"], 2) == -0.51
     assert cv2.imread(str(folder / "figure-5.png")).shape[0] > 1000
+
+
+def test_the_columns_of_measures_are_told_in_words_of_the_formalism(shown):
+    done = CliRunner().invoke(cli, ["measures", str(shown[1] / "interpretation.json")], catch_exceptions=False)
+    told = [line.split("  ")[0] for line in done.stdout.split("columns\n")[1].split("\n\n")[0].splitlines()]
+    assert told == [name for name in TITLES.values() if name != "Δ's dv"]
+    assert "Δ's dv: over Δi (§5.1)" in done.stdout
+    assert all(title in done.stdout.splitlines()[2] + done.stdout.splitlines()[3] for title in ("to_B", "Shanahan"))
 
 
 def meets(origin, point, body):

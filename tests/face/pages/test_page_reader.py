@@ -63,6 +63,19 @@ def test_what_hides_an_edge_is_of_the_shown_world(shown):
     assert sum(beside.values()) == pytest.approx(sum(front.values()) + sum(alone.values()), rel=0.02)
 
 
+def test_every_appearance_type_has_a_sign_of_its_own_in_the_key(chromium, towers, tmp_path):
+    """By its strokes or its colour, of unknown types too."""
+    document = copy.deepcopy(towers)
+    first = document["appearances"][0]
+    document["appearances"] += [first | {"id": f"x{i}", "type": f"odd_{i}"} for i in range(12)]
+    seen = shown_as(chromium, tmp_path, page(document))
+    path = "[...e.querySelectorAll('path')].map((p) => p.getAttribute('d') + p.getAttribute('stroke')).join()"
+    signs = seen.run(f"return [...document.querySelectorAll('#signs-key li')].map((e) => {path})")[-12 - 3 :]
+    assert len(signs) == 15
+    assert all(signs)
+    assert len(set(signs)) == 15
+
+
 def test_the_key_names_what_the_picture_has_and_nothing_else(shown, towers):
     signs = sorted({a["type"].replace("_", " ") for a in towers["appearances"]})
     lines = ["edge", "edge hidden behind another object, or by its own", "not accepted, pointed at in the list"]

@@ -12,7 +12,7 @@ from towers_scene import HEIGHT, WIDTH, photograph
 
 from plogic.face.shown.edges import edges_of
 from plogic.face.shown.overlay import BUSY, PALETTE, bgr, overlay
-from plogic.face.shown.pencil import Pencil, free_place, meet
+from plogic.face.shown.pencil import OTHER, SIGNS, TINTS, Pencil, free_place, meet, sign_of
 
 
 def _plain(towers, **changes):
@@ -147,3 +147,21 @@ def test_hundreds_of_marks_are_pale(towers):
     x, y = round(2 * at[0] + 0.5) - 4, round(2 * at[1] + 0.5) - 4
     assert few[y, x].min() > 240
     assert 205 < many[y, x].min() < 235
+
+
+def test_every_appearance_type_has_a_sign_of_its_own():
+    """By its strokes or its colour, for as many unknown types as there are pairs of the two."""
+    kinds = sorted([*SIGNS, *(f"type_{i:02}" for i in range(len(OTHER) * len(TINTS)))])
+    signs = [sign_of(kind, kinds) for kind in kinds]
+    assert len(kinds) > 30
+    assert len(set(signs)) == len(kinds)
+
+
+def test_unknown_types_are_drawn_apart():
+    names = [f"odd_{i:02}" for i in range(len(OTHER) + 2)]
+    pictures = []
+    for name in names:
+        pencil = Pencil(np.zeros((30, 30, 3), np.uint8), 1)
+        pencil.sign((15, 15), name, names)
+        pictures.append(pencil.picture.tobytes())
+    assert len(set(pictures)) == len(names) > 9

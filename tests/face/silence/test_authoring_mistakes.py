@@ -1,4 +1,4 @@
-"""Thirty mistakes of authors, each made on purpose in a folder of its own: the first line printed names the cause."""
+"""Mistakes of authors, each made on purpose in a folder of its own: the first line printed names the cause."""
 
 from __future__ import annotations
 
@@ -70,6 +70,23 @@ def on_a_line(files):
     )
 
 
+def in_parts(*, again):
+    """A spoiler: the box as a body and a lid, which is a part at the top; ``again``: its places have the offset too."""
+
+    def spoil(files):
+        head, *rows = files[TYPE].removesuffix("\n").split("\n  - feature:")
+        lid = [row for row in rows if row.startswith(" top")]
+        own = [row if again else row.replace("0.16]", "0]") for row in lid]
+        parts = [("body", "0", [row for row in rows if row not in lid]), ("lid", "0.16", own)]
+        text = head.removesuffix("features:") + "parts:\n"
+        for name, high, some in parts:
+            text += f"  - part: {name}\n    at: [0, 0, {high}]\n    features:\n"
+            text += "".join(f"      - feature:{row}\n".replace("\n    ", "\n        ") for row in some)
+        files[TYPE] = text
+
+    return spoil
+
+
 def open_mesh(files):
     files[MESH] = "\n".join([row for row in files[MESH].splitlines() if row.startswith("v")] + ["f 1 2 3", "f 1 3 4"])
 
@@ -109,6 +126,43 @@ MISTAKES = {
         "missing key 'lobe'",
     ),
     "degrees that are taken for radians": (edited(TYPE, ("126 deg", "126")), "half_angle: "),
+    "plain degrees, told in what was written": (
+        edited(TYPE, ("126 deg", "126")),
+        "must be above 0 and at most 3.14159 rad, not 126 rad; a plain number is in rad: for degrees write '126 deg'",
+    ),
+    "radians that are called degrees": (
+        edited(TYPE, ("75 deg", "1.3 deg")),
+        "so narrow a cone; was 1.3 rad meant? write '1.3 rad' or '74.5 deg'",
+    ),
+    "the offset of a part applied twice": (
+        in_parts(again=True),
+        "off the mesh, and on it without the part's own at, [0, 0, 0.16]: is it applied twice?",
+    ),
+    "a corner that looks inward through a wide cone": (
+        edited(TYPE, ("axis: [-1, -1, -1], half_angle: 126 deg", "axis: [0.2, 0.1, 1], half_angle: 120 deg")),
+        "the lobe of base_sw looks inward",
+    ),
+    "a range shorter than the type": (edited(TYPE, ("[0.2 m, 5 m]", "[0.2 m, 0.3 m]")), "the range ends 0.3 m away"),
+    "one range that ends where the whole is not seen": (
+        edited(
+            TYPE,
+            (
+                "axis: [1, 0, 0], half_angle: 75 deg, range: [0.2 m, 5 m]",
+                "axis: [1, 0, 0], half_angle: 75 deg, range: [0.1 m, 0.25 m]",
+            ),
+        ),
+        "the range of east ends 0.25 m away, and the whole is seen from 0.394 m to 5 m: never expected with the others",
+    ),
+    "one range that begins where no other reaches": (
+        edited(
+            TYPE,
+            (
+                "axis: [1, 0, 0], half_angle: 75 deg, range: [0.2 m, 5 m]",
+                "axis: [1, 0, 0], half_angle: 75 deg, range: [6 m, 9 m]",
+            ),
+        ),
+        "the range of east begins 6 m away",
+    ),
     "a range that ends before it begins": (edited(TYPE, ("[0.2 m, 5 m]", "[5 m, 0.2 m]")), "range"),
     "a mesh without its unit": (edited(TYPE, (", units: m", "")), "no mesh format carries its unit"),
     "a mesh that is not there": (without(MESH), "the mesh 'mesh.obj' is missing"),
@@ -131,7 +185,7 @@ MISTAKES = {
     "no features": (kept(0), "box: has no features, so it is never found"),
     "three features": (kept_last(3), "has 3 features, and a pose is taken from 4"),
     "one feature type": (kept(8), "every feature is of type 'corner'"),
-    "lobes that never meet": (edited(TYPE, ("126 deg", "2 deg"), ("75 deg", "2 deg")), "its lobes never meet"),
+    "lobes that never meet": (edited(TYPE, ("126 deg", "5 deg"), ("75 deg", "5 deg")), "its lobes never meet"),
     "ranges in centimetres stated as metres": (edited(TYPE, ("[0.2 m, 5 m]", "[200 m, 500 m]")), "smaller than"),
     "ranges that end within the type": (edited(TYPE, ("[0.2 m, 5 m]", "[2 mm, 50 mm]")), "range ends"),
     "features on one line": (on_a_line, "on one line"),
@@ -143,8 +197,14 @@ MISTAKES = {
 }
 
 
-def test_there_are_thirty():
-    assert len(MISTAKES) == 30
+def test_there_are_many():
+    assert len(MISTAKES) == 37
+
+
+def test_a_part_at_its_own_place_is_warned_of_nothing(tmp_path):
+    files = texts()
+    in_parts(again=False)(files)
+    assert told("kb", "check", written(tmp_path / "kb", files))[0].endswith("no mistakes")
 
 
 @pytest.mark.parametrize("name", MISTAKES)

@@ -8,6 +8,8 @@ import pytest
 from in_process import told
 from spoiled_box import TYPE, gamma_file, sight, texts, written
 
+from kb.files.folder import shipped
+
 
 @pytest.fixture
 def far(tmp_path):
@@ -59,6 +61,31 @@ def test_what_was_found_is_said_to_be_there(tmp_path):
         line for line in told("explain", out, "--missing", "box", "--kb", "first") if line.startswith("poses: ")
     ]
     assert poses.startswith("poses: h1 stands there; of others, ")
+
+
+def test_of_a_rival_no_cause_is_told_that_contradicts_it(tmp_path):
+    """A rival was posed, judged and kept: it is not said that no pose was found."""
+    out = tmp_path / "out.json"
+    told("perceive", gamma_file(tmp_path, sight()), "--kb", "first", "-o", out)
+    document = json.loads(out.read_text())
+    document["hypotheses"] = [{**h, "status": "rival"} for h in document["hypotheses"] if h["status"] == "accepted"]
+    out.write_text(json.dumps(document))
+    lines = told("explain", out, "--missing", "box", "--kb", "first")
+    assert lines[0].startswith("h1 is a box: rival, probability ")
+    assert not [line for line in lines if line.startswith("box: ")], "no cause"
+    assert [line for line in lines if line.startswith("poses: h1 is held in other worlds; of others, ")]
+
+
+def test_what_others_claim_is_told_beside_what_is_missed(tmp_path):
+    """Of the best rejected pose 31 features are expected and none detected, but only 17 have no datum."""
+    out = tmp_path / "out.json"
+    told("perceive", shipped("paper") / "figure_5/gamma.json", "--kb", "paper", "-o", out)
+    (answer,) = told("explain", out, "--missing", "t2", "--kb", "paper", "--json")
+    best = json.loads(answer)["best"]
+    claimed = best["expected"] - best["detected"] - len(best["missed"])
+    assert claimed > 0
+    text = told("explain", out, "--missing", "t2", "--kb", "paper")
+    assert f"  {claimed} more have data near them that fit others, or that accepted objects claim" in text
 
 
 def test_under_changed_rules_it_is_told_all_the_same_and_not_with_another_type(far):

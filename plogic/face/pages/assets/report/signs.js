@@ -29,11 +29,15 @@ const SIGNS = {
   patch: 'M-3,-3H3V3H-3Z', corner: 'M-3,3V-3H3', apex: 'M-3.4,3L0,-3L3.4,3', l_junction: 'M-2.5,-3V3H3', y_junction: 'M0,3.6V0L-3,-3M0,0L3,-3',
   arrow_junction: 'M0,3.6V-3.4M-3,0L0,-3.4L3,0', t_junction: 'M-3.4,-3H3.4M0,-3V3.4', x_junction: 'M-3,-3L3,3M3,-3L-3,3', multi_junction: 'M-3.4,0H3.4M0,-3.4V3.4M-2.4,-2.4L2.4,2.4',
 };
-const OTHER = ['M0,-3.6L3.6,0L0,3.6L-3.6,0Z', 'M0,-3.4L3.2,2.6H-3.2Z', 'M-3.4,0H3.4M0,-3.4V3.4', 'M-3,-3L3,3M3,-3L-3,3'];
+const OTHER = ['M0,-3.6L3.6,0L0,3.6L-3.6,0Z', 'M0,-3.4L3.2,2.6H-3.2Z', 'M0,3.4L3.2,-2.6H-3.2Z', 'M-3,-3H3L-3,3H3Z', 'M-3.4,-1.4H3.4M-3.4,2H3.4', 'M-2,-3.4V3.4M2,-3.4V3.4M-2,0H2', 'M-3,-3H3L-3,3H3', 'M-3.4,-3L-1.4,3L0,-1.4L1.4,3L3.4,-3'];
+// Once every sign is used, they are used again in the next colour.
+const TINTS = ['#fff', '#ffe27a', '#9be7ff', '#ffb3d1'];
 // Visual words are hundreds of types; for a reader they are one.
 const plain = (type) => (sideTypes.has(type) ? SIDE : String(type).replace(/^(sift|orb)_w\d+$/, '$1 keypoint'));
 const kinds = [...new Set(appearances.map((a) => plain(a.type)))].sort();
+const strange = kinds.filter((k) => !Object.hasOwn(SIGNS, k));
 function sign(type) {
-  const d = Object.hasOwn(SIGNS, type) ? SIGNS[type] : OTHER[Math.max(0, kinds.indexOf(plain(type))) % OTHER.length];
-  return [svg('path', {d, fill: 'none', stroke: '#14171a', 'stroke-width': 3.2, 'stroke-opacity': 0.7}), svg('path', {d, fill: 'none', stroke: '#fff', 'stroke-width': 1.5})];
+  const known = Object.hasOwn(SIGNS, type), number = Math.max(0, strange.indexOf(plain(type)));
+  const d = known ? SIGNS[type] : OTHER[number % OTHER.length], tint = known ? TINTS[0] : TINTS[Math.floor(number / OTHER.length) % TINTS.length];
+  return [svg('path', {d, fill: 'none', stroke: '#14171a', 'stroke-width': 3.2, 'stroke-opacity': 0.7}), svg('path', {d, fill: 'none', stroke: tint, 'stroke-width': 1.5})];
 }
