@@ -41,6 +41,14 @@ CHUNK = 20
 """Directions that a process renders at a time."""
 
 
+class NoPrintError(InputError):
+    """A type shows nothing that could be learned; ``why``: the message without the type's name."""
+
+    def __init__(self, name: str, why: str) -> None:
+        super().__init__(f"{name}: {why}")
+        self.why = why
+
+
 def looked(
     kind: ObjectType,
     kb: KnowledgeBase,
@@ -51,8 +59,8 @@ def looked(
     """The cloud of a type, rendered from its mesh file; of one ``painted`` with a photo, only of what the photo shows.
 
     Raises:
-        InputError: nothing of it comes again from view to view, or a process died. SensingError: the mesh cannot be
-        drawn.
+        NoPrintError: nothing of it comes again from view to view. InputError: a process died. SensingError: the mesh
+        cannot be drawn.
     """
     assert kind.mesh_file is not None  # noqa: S101 - the caller looked
     task = (str(kind.mesh_file), kind.mesh_scale, options.detector, options.seed)
@@ -60,8 +68,10 @@ def looked(
     diameter = extent(read_mesh(kind.mesh_file, kind.mesh_scale).vertices)[1]
     cloud = cloud_of(whole if painted is None else on_shown(painted, whole), diameter, kb.f_ref, DIRECTIONS)
     if not len(cloud.at):
-        raise InputError(
-            f"{kind.name}: no keypoint of it comes again from view to view: its texture is too plain for {options.detector}"
+        raise NoPrintError(
+            kind.name,
+            f"no keypoint of it comes again from view to view: its texture is too plain for {options.detector}; "
+            "write junctions, patches, markers or colour blobs into object.yaml by hand",
         )
     compounds, together, largest = compound_sizes(cloud)
     groups = f", {together} of them in {compounds_text(compounds, largest)}" if compounds else ""

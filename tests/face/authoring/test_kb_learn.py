@@ -136,9 +136,53 @@ def test_again_it_was_learned_before_and_nothing_changes(learned, surroundings):
     assert document["format"] == "kb_learn/1"
     assert document["types"][0]["type"] == "cube"
     assert bytes_in(folder) == before
-    assert refused(folder, **surroundings) == [
-        "plogic: every type has features already; name those that are to be learned again"
-    ]
+    done = plogic("kb", "learn", "--kb", folder, **surroundings)
+    assert (done.returncode, done.stderr, bytes_in(folder)) == (0, "", before)
+    assert done.stdout == (
+        "nothing to learn: every type that can be learned has features already; name those that are to be learned again\n"
+    )
+
+
+def test_what_has_no_print_is_left_out_and_the_others_are_learned(folder, surroundings, tmp_path):
+    """A mug without a texture, and a cube painted in one grey, beside one that has a print."""
+    write_cube(tmp_path)
+    box = write_box(tmp_path / "box.obj")
+    good("kb", "add", "cube", "--mesh", tmp_path / "cube.obj", "--units", "m", "--kb", folder)
+    cv2.imwrite(str(tmp_path / "cube.png"), np.full((8, 8, 3), 130, np.uint8))
+    good("kb", "add", "grey", "--mesh", tmp_path / "cube.obj", "--units", "m", "--kb", folder)
+    for name in ("mug", "cup"):
+        good("kb", "add", name, "--mesh", box, "--units", "m", "--kb", folder)
+    few = surroundings | {"TEST_DIRECTIONS": "2", "XDG_CACHE_HOME": str(tmp_path / "cache")}
+    done = plogic("kb", "learn", "--detector", "orb", "--jobs", 1, "--json", "--kb", folder, **few)
+    assert done.returncode == 0, done.stderr
+    document = json.loads(done.stdout)
+    assert [row["type"] for row in document["types"]] == ["cube"]
+    assert {row["type"] for row in document["left_out"]} == {"cup", "grey", "mug"}
+    told = [line for line in done.stderr.splitlines() if "left out" in line]
+    assert len(told) == 2
+    assert told[0].startswith("cup, mug: left out: its mesh has no texture")
+    assert "plogic kb learn NAME --photo FILE --points FILE" in told[0]
+    assert told[1].startswith("grey: left out: no keypoint of it comes again")
+    assert "by hand" in told[1]
+    assert {kind.name for kind in read_kb(folder).types if kind.learned is not None} == {"cube"}
+
+
+def test_where_something_was_there_already_nothing_new_is_no_failure(learned, surroundings, tmp_path):
+    copy = shutil.copytree(learned[0], tmp_path / "kb")
+    good("kb", "add", "mug", "--mesh", write_box(tmp_path / "box.obj"), "--units", "m", "--kb", copy)
+    before = bytes_in(copy)
+    done = plogic("kb", "learn", "--kb", copy, **surroundings)
+    assert (done.returncode, bytes_in(copy)) == (0, before)
+    assert done.stdout.startswith("nothing to learn: ")
+    (line,) = done.stderr.splitlines()
+    assert line.startswith("mug: left out: its mesh has no texture")
+    (line,) = refused(copy, "mug", **surroundings)
+    assert line.startswith("plogic: mug: its mesh has no texture"), "of what was asked, nothing was learned"
+
+
+def test_a_knowledge_base_without_types_says_how_to_add_one(folder):
+    (line,) = refused(folder)
+    assert line.startswith("plogic: there is no object type yet: plogic kb add NAME --mesh FILE")
 
 
 def test_a_cache_file_that_was_cut_off_is_learned_anew(learned, surroundings, tmp_path):
