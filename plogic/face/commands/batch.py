@@ -15,7 +15,7 @@ from geometry.errors import WhichCameraError
 from plogic.base.children import ending_well
 from plogic.face.shown.options import Batching
 from plogic.face.shown.progress import Progress
-from plogic.run.batch.frame_lines import ERROR, UNFINISHED, is_empty, is_noted
+from plogic.run.batch.frame_lines import ERROR, UNFINISHED, doubt_in, is_empty, is_noted
 from plogic.run.batch.frames import Frame, Settings, checked, frames_of
 from plogic.run.batch.frames_run import Engine, Waiting, run, waiting_beside
 from plogic.run.batch.log import Log, check_out, check_same, left_over, log_at
@@ -88,7 +88,7 @@ def _run(
     count[NOTED] = 0
     before = {(line.input, line.frame) for line in (*log.written, *waiting.written)}
     progress = Frames(len(frames), len(frames) - len(before))
-    empty: list[Frame] = []
+    empty, doubted = list[Frame](), list[Frame]()
 
     def write(frame: Frame, status: str, line: bytes) -> None:
         log.write(line)
@@ -96,6 +96,9 @@ def _run(
             count[status] += 1
         if status == ERROR:
             progress.say(_why(frame, line))
+        if not doubted and (doubt := doubt_in(line)):
+            doubted.append(frame)
+            progress.say(f"{frame.name}: {doubt} (told once)")
         count[NOTED] += is_noted(line)
         empty.extend([frame] * is_empty(line))
         if (frame.input, frame.frame) not in before:
@@ -130,7 +133,7 @@ def _told_of(empty: Sequence[Frame]) -> str:
 
 def _summary(out: str, total: int, new: int, count: dict[str, int]) -> str:
     before = f", {total - new} of them before" if new < total else ""
-    told = {ERROR: "bad", UNFINISHED: "unfinished", NOTED: "with a guessed or doubtful camera (notes)"}
+    told = {ERROR: "bad", UNFINISHED: "unfinished", NOTED: "with a guessed or doubtful camera (notes, camera_doubt)"}
     wrong = "".join(f", {count[key]} {what}" for key, what in told.items() if count[key])
     return f"{'' if out == '-' else f'{out}: '}{total} frame{'s' * (total != 1)}{before}{wrong}"
 

@@ -160,7 +160,10 @@ def test_batch_guesses_by_exif_and_its_lines_say_so(folder):
         "camera guessed from EXIF: 28 mm equivalent, focal 52 px; no lens distortion known",
         TURNED,
     ]
-    assert run.stderr.splitlines()[-1] == "out.jsonl: 2 frames, 1 bad, 1 with a guessed or doubtful camera (notes)"
+    assert (
+        run.stderr.splitlines()[-1]
+        == "out.jsonl: 2 frames, 1 bad, 1 with a guessed or doubtful camera (notes, camera_doubt)"
+    )
 
 
 @pytest.fixture
