@@ -47,6 +47,8 @@ def learn_photo_command(
     Raises InputError, KBError, GeometryError, SensingError: nothing is written then.
     """
     kb, new, kind = _the_type(kb_folder, names, sources, options.detector, say)
+    for note in new.notes if new is not None else ():
+        say(f"{kind.name}: {note}")
     found, mesh = _registered(kind, sources)
     say(_told(kind, found, mesh))
     with tempfile.TemporaryDirectory(prefix="plogic-photo-") as folder:

@@ -62,8 +62,19 @@ def test_joints_that_move_are_said_to_be_frozen_in_the_first_line(tmp_path, fold
     assert first.startswith(
         "note: 1 joint that moves is frozen in the zero pose (j), and the type is found in that pose"
     )
-    (tmp_path / "still.urdf").write_text(URDF.replace("revolute", "fixed"))
+    still = URDF.replace("revolute", "fixed").replace("10 0 0", "1 0 0")
+    (tmp_path / "still.urdf").write_text(still)
     assert "note:" not in good("kb", "import", tmp_path / "still.urdf", "--kb", folder)
+
+
+def test_an_unusual_size_is_doubted_with_the_likely_unit(tmp_path, folder):
+    """A description is in metres; this one's mesh was drawn in millimetres."""
+    write_box(tmp_path / "box.obj", (190, 80, 60))
+    (tmp_path / "box.urdf").write_text(
+        '<robot name="r"><link name="l"><visual><geometry><mesh filename="box.obj"/></geometry></visual></link></robot>'
+    )
+    lines = good("kb", "import", tmp_path / "box.urdf", "--kb", folder).splitlines()
+    assert lines[0] == "note: the type is 190 m across; if the mesh is in millimetres: --units mm"
 
 
 def test_an_sdf_with_poses_and_scales(tmp_path, folder):
