@@ -120,11 +120,11 @@ def test_a_mirrored_cloud_is_another(tmp_path):
 
 
 def scaled(share):
-    """Five features on the top of a cube of that side."""
-    places = [(0.1, 0.1), (0.9, 0.15), (0.5, 0.7), (0.2, 0.9), (0.7, 0.4)]
+    """Five features of a cube of that side."""
+    places = [(0, 0, 0), (1, 1, 1), (0.9, 0.15, 1), (0.2, 0.9, 1), (0.7, 0.4, 1)]
     return "".join(
-        feature(f"f{i}", [x * share, y * share, share], [0, 0, 1], "spot" if i else "dot", reach="[0.002, 3000]")
-        for i, (x, y) in enumerate(places)
+        feature(f"f{i}", [share * x for x in place], [0, 0, 1], "spot" if i else "dot", reach="[0.002, 3000]")
+        for i, place in enumerate(places)
     )
 
 
