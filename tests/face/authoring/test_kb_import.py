@@ -89,6 +89,27 @@ def test_an_sdf_with_poses_and_scales(tmp_path, folder):
     assert bounds(thing) == pytest.approx(np.array([[-1, 0, 5], [1, 1, 8]]))
 
 
+def test_every_mesh_that_is_not_there_is_told_and_nothing_is_written(tmp_path, folder):
+    """Two of three meshes are missing, and one is no mesh: each with its link, and none goes unsaid."""
+    write_box(tmp_path / "box.obj")
+    (tmp_path / "torn.obj").write_text("no mesh")
+    files = {"base": "box.obj", "arm": "package://robot/arm.obj", "hand": "meshes/hand.stl", "tool": "torn.obj"}
+    links = "".join(
+        f'<link name="{link}"><visual><geometry><mesh filename="{file}"/></geometry></visual></link>'
+        for link, file in files.items()
+    )
+    (tmp_path / "robot.urdf").write_text(f'<robot name="r">{links}</robot>')
+    before = bytes_in(folder)
+    done = plogic("kb", "import", tmp_path / "robot.urdf", "--kb", folder)
+    assert (done.returncode, done.stdout, bytes_in(folder)) == (1, "", before)
+    arm, hand, tool = done.stderr.splitlines()
+    start = f"plogic: {tmp_path / 'robot.urdf'}: link "
+    assert arm.startswith(f"{start}'arm': the mesh 'package://robot/arm.obj' is missing")
+    assert hand.startswith(f"{start}'hand': the mesh 'meshes/hand.stl' is missing")
+    assert tool.startswith(f"{start}'tool': {tmp_path / 'torn.obj'}: ")
+    assert all(line.endswith("or take the visual out") for line in (arm, hand, tool))
+
+
 BAD = {
     "no xml": ("<robot", "is no XML"),
     "another": ("<mujoco/>", "is no URDF"),
