@@ -20,10 +20,13 @@ from plogic.run.batch.frames import Frame, Settings, checked, frames_of
 from plogic.run.batch.frames_run import Engine, Waiting, run, waiting_beside
 from plogic.run.batch.log import Log, check_out, check_same, left_over, log_at
 from plogic.run.batch.pool import Pool
+from plogic.run.batch.work import check_cameras
 from plogic.run.cameras import GivenCamera, read_given
 
 NOTED = "noted"
 """What is counted beside bad and unfinished frames."""
+SOME_SIZE = 640, 480
+"""Of a picture that is not read yet, where the camera's file states no size."""
 BAD, LATE = 1, 3
 """Exit statuses: a frame could not be perceived; the deadline cut one short."""
 
@@ -41,6 +44,7 @@ def batch_command(inputs: Sequence[str], settings: Settings, options: Batching, 
     check_out([] if out == "-" else [Path(out), *([beside] if beside is not None else [])], resume=options.resume)
     _check_camera(settings.camera)
     frames = frames_of(inputs, listed, options.every)
+    check_cameras(frames, settings.camera)
     with ending_well():
         engine = _engine(settings, options)
         try:
@@ -57,7 +61,7 @@ def _check_camera(given: GivenCamera) -> None:
     if (source := given.source()) is not None and given.file is not None:
         checked(source)
         with suppress(WhichCameraError):  # each picture tells its own
-            read_given(given.file)
+            read_given(given.file, SOME_SIZE)
 
 
 def _engine(settings: Settings, options: Batching) -> Engine:
