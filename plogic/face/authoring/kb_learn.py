@@ -17,9 +17,10 @@ from kb.learning.compounds import with_parts
 from kb.learning.observations import AWAY, MARGIN, PIXELS, Observations, joined, observed
 from kb.learning.symmetry_trials import DIRECTIONS, Trial, entries, judged, trials
 from plogic.base.errors import InputError
-from plogic.face.authoring.kb_learn_look import NoPrintError, detection_by, learned_of
+from plogic.face.authoring.kb_learn_look import LOOKED, NoPrintError, detection_by, learned_of
 from plogic.face.authoring.kb_types import check_own, type_folders, with_entry
 from plogic.face.shown.options import Learning
+from plogic.face.shown.progress import Work
 from plogic.face.shown.tables import plain_table
 from plogic.run.sources import kb_of
 from sensing.errors import SensingError
@@ -37,6 +38,8 @@ NO_TEXTURE = (
 NOTHING_NEW = (
     "nothing to learn: every type that can be learned has features already; name those that are to be learned again"
 )
+WORDED = 10.0
+"""What it takes to find the words of a type, in views: 23 s for two types of 80 views, which take 100 s each."""
 NAMED = 20
 """Names that a line lists."""
 
@@ -53,20 +56,26 @@ def learn_command(kb_folder: str, names: Sequence[str], options: Learning, *, sa
     check_detector(kb_folder, kb, options.detector, [kind.name for kind in chosen])
     rows, clouds = [], {kind.name: kind.learned for kind in kb.types if kind.learned is not None}
     places, found = type_folders(folder), {}
-    for kind in chosen:
-        file = places[kind.name] / "object.yaml"
-        try:
-            clouds[kind.name] = with_parts(kind, learned_of(kind, kb, options, say))
-        except NoPrintError as error:
-            left_out[kind.name] = error.why
-            continue
-        rows.append(row_of(kind.name, clouds[kind.name]))
-        if not stated(file):
-            found[file] = symmetries_of(kind, clouds[kind.name], options, say)
-        rows[-1]["symmetries"] = symmetry_rows(found[file]) if file in found else None
+    total = (LOOKED + DIRECTIONS) * len(chosen) + WORDED * len(clouds.keys() | {kind.name for kind in chosen})
+    with Work(total or 1.0, say) as work:
+        for kind in chosen:
+            file = places[kind.name] / "object.yaml"
+            try:
+                clouds[kind.name] = with_parts(kind, learned_of(kind, kb, options, work))
+            except NoPrintError as error:
+                left_out[kind.name] = error.why
+                work.skip(DIRECTIONS)
+                continue
+            rows.append(row_of(kind.name, clouds[kind.name]))
+            if not stated(file):
+                found[file] = symmetries_of(kind, clouds[kind.name], options, work)
+            work.step(DIRECTIONS)
+            rows[-1]["symmetries"] = symmetry_rows(found[file]) if file in found else None
+        if rows:
+            work.at(f"{len(clouds)} types: words")
+            words, clouds = worded(clouds, options.seed)
     _tell_left_out(left_out, nothing=not rows and (bool(names) or not any(kind.features for kind in kb.types)), say=say)
     if rows:
-        words, clouds = worded(clouds, options.seed)
         write_files(written(files_of(folder, words, clouds), found))
         count = len(words.centroids)
     else:
@@ -200,7 +209,7 @@ def _named(file: Path, key: str, data: bytes) -> dict[Path, bytes]:
 KEPT = "symmetries: as object.yaml states them"
 
 
-def symmetries_of(kind: ObjectType, cloud: LearnedCloud, options: Learning, say: Callable[[str], None]) -> list[Trial]:
+def symmetries_of(kind: ObjectType, cloud: LearnedCloud, options: Learning, work: Work) -> list[Trial]:
     """A trial for each turn of the type's shape.
 
     New pictures of it are taken where the cloud alone does not rule all of them out.
@@ -211,7 +220,8 @@ def symmetries_of(kind: ObjectType, cloud: LearnedCloud, options: Learning, say:
     groups, directions = trials(cloud, kind.surface), even_directions(DIRECTIONS)
     if not any(trial.likely for group in groups for trial in group):
         return judged(groups, cloud, None, directions)
-    say(f"{kind.name}: {DIRECTIONS} new pictures, for its symmetries")
+    work.say(f"{kind.name}: {DIRECTIONS} new pictures, for its symmetries")
+    work.at(f"{kind.name}: symmetries")
     return judged(groups, cloud, _new_pictures(kind, options, directions), directions)
 
 

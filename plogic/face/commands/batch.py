@@ -14,7 +14,7 @@ import click
 from geometry.errors import WhichCameraError
 from plogic.base.children import ending_well
 from plogic.face.shown.options import Batching
-from plogic.face.shown.progress import Progress
+from plogic.face.shown.progress import Progress, bar, duration
 from plogic.run.batch.frame_lines import ERROR, UNFINISHED, doubt_in, is_empty, is_noted
 from plogic.run.batch.frames import Frame, Settings, checked, frames_of
 from plogic.run.batch.frames_run import Engine, Waiting, run, waiting_beside
@@ -144,8 +144,6 @@ def _summary(out: str, total: int, new: int, count: dict[str, int]) -> str:
 
 EVERY = 0.2
 """Seconds between two pictures of the bar."""
-WIDTH = 30
-"""Characters of the bar."""
 
 
 class Frames:
@@ -165,7 +163,7 @@ class Frames:
             self._progress.at(self.text(now))
         elif now - self._told >= EVERY:
             self._told = now
-            self._progress.at(f"{self._drawn()}{self.text(now)}")
+            self._progress.at(f"{bar(self._total - self._left + self._done, self._total)} {self.text(now)}")
 
     def say(self, line: str) -> None:
         """A line that stays, above the bar."""
@@ -181,19 +179,3 @@ class Frames:
         seconds = (now - self._start) / self._done * (self._left - self._done)
         bad = f", {self._bad} bad" if self._bad else ""
         return f"{self._total - self._left + self._done} of {self._total} frames{bad}, about {duration(seconds)} left"
-
-    def _drawn(self) -> str:
-        full = WIDTH * (self._total - self._left + self._done) // self._total
-        return f"[{'#' * full}{'.' * (WIDTH - full)}] "
-
-
-def duration(seconds: float) -> str:
-    """In words, to the unit that matters: ``40 s``, ``12 min``, ``3 h 20 min``, ``2 d 5 h``."""
-    whole = round(seconds)
-    if whole < 100:
-        return f"{whole} s"
-    minutes = round(seconds / 60)
-    if minutes < 100:
-        return f"{minutes} min"
-    hours, rest = divmod(minutes, 60)
-    return f"{hours} h {rest} min" if hours < 48 else f"{hours // 24} d {hours % 24} h"

@@ -167,6 +167,28 @@ def test_what_has_no_print_is_left_out_and_the_others_are_learned(folder, surrou
     assert {kind.name for kind in read_kb(folder).types if kind.learned is not None} == {"cube"}
 
 
+def test_learning_tells_how_far_it_came_without_a_terminal(folder, surroundings, tmp_path):
+    """Every ten seconds; here every hundredth of one, of two types."""
+    own = tmp_path / "own"
+    own.mkdir()
+    few = few_views(own) | {"TEST_DIRECTIONS": "3"}
+    often = "import plogic.face.shown.progress as progress\nprogress.SELDOM = progress.TICK = 0.01\n"
+    (own / "sitecustomize.py").write_text((own / "sitecustomize.py").read_text() + often)
+    for name in ("one", "two"):
+        write_cube(tmp_path)
+        if name == "two":
+            cv2.imwrite(str(tmp_path / "cube.png"), cv2.imread(str(tmp_path / "cube.png"))[::-1])
+        good("kb", "add", name, "--mesh", tmp_path / "cube.obj", "--units", "m", "--kb", folder)
+    done = plogic("kb", "learn", "--jobs", 1, "--kb", folder, **few)
+    assert done.returncode == 0, done.stderr
+    told = [line for line in done.stderr.splitlines() if " % of all" in line]
+    for start in ("one: 0 of 3 views; 0 % of all", "one: features; ", "two: 0 of 3 views; ", "2 types: words; "):
+        assert any(line.startswith(start) for line in told), start
+    shares = [int(line.partition("; ")[2].partition(" %")[0]) for line in told]
+    assert shares == sorted(shares)
+    assert all(line.endswith(" left") for line in told if "; 0 %" not in line)
+
+
 def test_where_something_was_there_already_nothing_new_is_no_failure(learned, surroundings, tmp_path):
     copy = shutil.copytree(learned[0], tmp_path / "kb")
     good("kb", "add", "mug", "--mesh", write_box(tmp_path / "box.obj"), "--units", "m", "--kb", copy)
