@@ -172,7 +172,11 @@ def query(source: str, goal: str | None, given: tuple[str, ...], as_json: bool, 
 @SOURCE
 @click.argument("goal", required=False)
 @GIVEN
-@click.option("--missing", metavar="TYPE", help="Instead of a GOAL: how far a type came that was not found, and why.")
+@click.option(
+    "--missing",
+    metavar="TYPE",
+    help="Instead of a GOAL: how far a type came that was not found, and why (--json: by visual word).",
+)
 @click.option("--kb", "kb_folder", help="With --missing: the knowledge base, for the cause.")
 @click.option(
     "-n", "number", type=click.IntRange(1), help="Explanations of each kind (default: 5; of present(h), a summary)."

@@ -1,20 +1,23 @@
-"""Calibrations in YAML: of ROS, as a file or as a topic that was echoed, and of OpenCV's FileStorage.
+"""Calibrations of ROS, as a YAML file or as a topic that was echoed, and of OpenCV's FileStorage.
 
 | text | told by |
 |---|---|
 | ROS `camera_info` YAML | `image_width` or `width`, `camera_matrix` |
 | `ros2 topic echo`, `rostopic echo` of a CameraInfo | `k` or `K`; messages between lines `---`, which must agree |
 | OpenCV FileStorage YAML | `!!opencv-matrix`, the same keys; `%YAML:1.0` |
+| OpenCV FileStorage XML | `<opencv_storage>`, the same keys |
+| OpenCV FileStorage JSON, a ROS message as JSON | the same keys (`geometry.files.camera_files`) |
 
 K and D are those of the raw picture. Of an echoed message the binning and the region of interest are applied, so that
 the camera is that of the pictures that the driver sends.
 
-YAML is read safely: plain data and OpenCV's matrices, no other tag, no duplicate key, no YAML bomb.
+YAML is read safely: plain data and OpenCV's matrices, no other tag, no duplicate key, no YAML bomb; XML without
+entities. What `ros2 topic echo` prints between messages, such as that one was lost, is passed over.
 """
 
 import re
 from collections.abc import Iterator, Mapping
-from typing import Any
+from typing import TYPE_CHECKING, Any, TypeGuard
 
 from ruamel.yaml import YAML
 from ruamel.yaml.composer import MaxDepthExceededError
@@ -22,6 +25,10 @@ from ruamel.yaml.constructor import SafeConstructor
 from ruamel.yaml.error import MarkedYAMLError, YAMLError
 
 from geometry.errors import CameraError
+from geometry.files.xml_files import XMLMistakeError, root_of
+
+if TYPE_CHECKING:
+    from xml.etree.ElementTree import Element
 
 MAX_DEPTH = 20
 """Levels of nesting: a calibration has four."""
@@ -40,8 +47,12 @@ _LENS_KEYS = (
     "D",
     "d",
 )
+_FOREIGN = {*_MATRIX_KEYS, *_LENS_KEYS, "distortion_model"} - {"K", "dist"}
 _LENSES = ("plumb_bob", "rational_polynomial", "none", "")  # ROS names of the lens models that we have
 _ARRAY = re.compile(r"array\((?:'[a-z]', *)?\[(.*)\]\)", re.DOTALL)  # Python's, as early ROS 2 prints it
+_LINE = re.compile(r"[A-Za-z_]\w*:(\s|$)|[ #%{}\[\]-]|\r?\n")
+"""How a line of a message begins: with a key, or deeper in; YAML is not indented by tabs."""
+_WARNING = re.compile(r"\[?(DEBUG|INFO|WARN|WARNING|ERROR|FATAL)\b")
 CUT = "..."
 """What stands in an echoed message for what was left out."""
 MOST_MESSAGES = 8
@@ -50,13 +61,14 @@ MOST_MESSAGES = 8
 
 def calibration(text: str, size: Size) -> dict[str, Any]:
     """The contract's `camera` key of a calibration, or of a topic's messages where they agree. Raises CameraError."""
-    first, *others = list(_messages(text)) or [""]
-    content = read_yaml(first)
-    if not isinstance(content, Mapping):
-        raise CameraError(f"must be a camera in JSON, YAML or COLMAP's text, not {type(content).__name__}")
-    camera = from_calibration(content, size)
+    contents = [_message(text) for text in _messages(text)] or [None]
+    mappings = [content for content in contents if isinstance(content, Mapping)]
+    if not mappings:
+        raise CameraError(f"must be a camera in JSON, YAML, XML or COLMAP's text, not {type(contents[0]).__name__}")
+    first, *others = [content for content in mappings if any(key in content for key in _MATRIX_KEYS)] or mappings
+    camera = from_calibration(first, size)
     for number, other in enumerate(others[:MOST_MESSAGES], 2):
-        if from_calibration(_mapping(other), size) != camera:
+        if from_calibration(other, size) != camera:
             raise CameraError(
                 f"holds messages of different cameras: keep one (the first, and number {number} of those)"
             )
@@ -90,9 +102,22 @@ def _without_header(lines: list[str]) -> str:
     return "".join(kept)
 
 
-def _mapping(text: str) -> Mapping[Any, Any]:
-    content = read_yaml(text)
-    return content if isinstance(content, Mapping) else {}
+def is_foreign(content: object) -> TypeGuard[Mapping[Any, Any]]:
+    """Whether an object of JSON is a calibration by the keys of others, not the contract's `camera`."""
+    return isinstance(content, Mapping) and not _FOREIGN.isdisjoint(content)
+
+
+def _message(text: str) -> object:
+    """One document of a text; where it is no YAML, without the lines that a tool printed between those of a message."""
+    try:
+        return read_yaml(text)
+    except CameraError:
+        clean = "".join(
+            line if _LINE.match(line) and not _WARNING.match(line) else "\n" for line in text.splitlines(keepends=True)
+        )
+        if clean == text:
+            raise
+    return read_yaml(clean)
 
 
 def from_calibration(content: Mapping[Any, Any], size: Size) -> dict[str, Any]:
@@ -178,6 +203,28 @@ def _number(word: str) -> float | str:
         return float(word)
     except ValueError:
         return word
+
+
+def xml_calibration(text: str, size: Size) -> dict[str, Any]:
+    """The contract's `camera` key of an OpenCV FileStorage in XML. Raises CameraError."""
+    if len(text) > MAX_CHARS:
+        raise CameraError(f"must be a calibration of at most {MAX_CHARS} characters, not {len(text)}")
+    try:
+        root = root_of(text, "calibration")
+    except XMLMistakeError as error:
+        raise CameraError(str(error), line=error.line) from None
+    if root.tag != "opencv_storage":
+        raise CameraError(f"is no OpenCV FileStorage: its first element is <{root.tag:.60}>, not <opencv_storage>")
+    return from_calibration({element.tag: _value_of(element) for element in root}, size)
+
+
+def _value_of(element: "Element") -> object:
+    """A number, a text, or a matrix as the mapping that it is in YAML."""
+    data = element.find("data")
+    if data is not None:
+        return {"data": [_number(word) for word in (data.text or "").split()]}
+    text = (element.text or "").strip()
+    return int(text) if text.isdecimal() else _number(text)
 
 
 class _Constructor(SafeConstructor):

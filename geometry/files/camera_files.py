@@ -2,16 +2,17 @@
 
 | file | told by | what is put right |
 |---|---|---|
-| the contract's `camera` key as JSON | `width` and `K` | |
+| the contract's `camera` key as JSON | `width` and `K` | K of nine numbers in a row becomes 3x3 |
 | `gamma/1` and `interpretation/1` JSON | `camera` | |
 | BOP `camera.json` | `fx` | |
 | BOP `scene_camera.json` | numbered keys with `cam_K` | mm to m; size from a `camera.json` beside or above |
 | COLMAP `cameras.txt`, `cameras.bin`, a folder with one | `geometry.files.colmap_files` | principal point - 0.5 px |
-| ROS `camera_info`, OpenCV FileStorage YAML | `geometry.files.calibration_files` | |
+| ROS `camera_info`, OpenCV FileStorage YAML, XML, JSON | `geometry.files.calibration_files` | |
 
 Each foreign description of a camera, as the contract's `camera` key, whose numbers are checked afterwards.
 """
 
+import re
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from pathlib import Path
@@ -21,7 +22,15 @@ import numpy as np
 
 from geometry.camera import Camera, camera_from_dict, camera_mistakes
 from geometry.errors import CameraError, Keys, Mistake, WhichCameraError, told
-from geometry.files.calibration_files import Size, calibration, flat, size_of
+from geometry.files.calibration_files import (
+    Size,
+    calibration,
+    flat,
+    from_calibration,
+    is_foreign,
+    size_of,
+    xml_calibration,
+)
 from geometry.files.colmap_files import Stated, cameras_file, colmap_binary, colmap_text, taken_by
 from geometry.files.documents import Document, parsed_json, read_json
 from geometry.files.plain_files import content_of, fault_of, text_of
@@ -30,6 +39,8 @@ from geometry.frames import from_rotation_translation, inverse
 MAX_BYTES = 64 * 2**20  # a BOP scene of 10^5 images stays below
 HOLDS = "it should hold a camera"
 NOWHERE: Keys = ()
+_JSON = re.compile(r"[\ufeff\s]*(\{|\[(?![A-Z]))")
+"""How JSON begins; `[INFO]` does not."""
 STRANGE = "has none of the keys of a camera (width, height, K), of Γ (camera) or of BOP (fx, or frames with cam_K)"
 
 
@@ -54,10 +65,12 @@ def read_camera(
         with _told_of(file):
             return _of_colmap(colmap_binary(content_of(file, MAX_BYTES, CameraError)), file, frame, photo)
     text = text_of(file, MAX_BYTES, CameraError, "camera")
-    if text.lstrip("\ufeff \t\r\n").startswith(("{", "[")):
+    if _JSON.match(text):
         document = parsed_json(text, str(path), HOLDS, CameraError, single=True)
         return _from_json(document, file, frame, size, photo)
     with _told_of(file):
+        if text.lstrip("\ufeff \t\r\n").startswith("<"):
+            return camera_from_dict(xml_calibration(text.lstrip("\ufeff"), size))
         if cameras := colmap_text(text):
             return _of_colmap(cameras, file, frame, photo)
         return camera_from_dict(calibration(text, size))
@@ -91,6 +104,11 @@ def _from_json(document: Document, path: Path, frame: str | int | None, size: Si
         number = Path(photo or "").stem.lstrip("0") or "0"
         known = photo is not None and frame is None and isinstance(content, dict) and number in content
         return _from_bop(document, path, number if known else frame, size)
+    if is_foreign(content):
+        with _told_of(path):
+            return camera_from_dict(from_calibration(content, size))
+    if isinstance(content, dict) and isinstance(K := content.get("K"), list) and len(K) == 9:
+        content = content | {"K": [K[:3], K[3:6], K[6:]]}
     wrong = camera_mistakes(content, keys)
     if len(wrong) > 1 and isinstance(content, dict) and not {"width", "K"} & set(content):
         wrong = [Mistake(keys, STRANGE)]

@@ -30,8 +30,14 @@ from kb.surfaces.symmetries import Turn, turns_of
 
 SMALLEST, LARGEST = 1e-4, 1e4
 """Extent of a mesh's longest side, m: what is outside is the wrong unit, or nothing that a camera sees."""
-ASKED = ("m", "cm", "mm")
+ASKED = {"m": "metres", "cm": "centimetres", "mm": "millimetres"}
 """What is proposed."""
+UNUSUAL = 0.005, 10.0
+"""Longest side, m, outside of which the unit may be the wrong one.
+
+A thing of 5 mm covers 40 pixels (f 600) only nearer than 75 mm, where few lenses focus; one of 10 m is a lorry. What
+people put before a camera, from 1 cm to 3 m, lands outside wherever m and mm are confused, but for some centimetres at
+the ends."""
 USUAL = 0.25
 """Longest side of the things that people put before a camera, m: the nearest to it, as a ratio, is the likely unit."""
 
@@ -78,6 +84,17 @@ def check_extent(name: object, extent: NDArray[np.float64], units: str | None) -
         raise IntakeError(
             f"{name}: would be {longest:.3g} m long in {units}, not {SMALLEST:g} m to {LARGEST:g} m; {proposal(extent)}"
         )
+
+
+def size_doubt(extent: NDArray[np.float64], units: str) -> str:
+    """That a mesh of these sides (3,), in ``units``, has an unusual size, with a likelier unit; '' where it has not."""
+    longest = float(extent.max())
+    if UNUSUAL[0] <= longest * LENGTHS[units] <= UNUSUAL[1]:
+        return ""
+    likely, size = likely_unit(longest), f"the type is {_metres(longest * LENGTHS[units])} across"
+    if likely == units:
+        return f"{size}; in {' and '.join(unit for unit in ASKED if unit != units)} it would be no likelier: was the mesh scaled?"
+    return f"{size}; if the mesh is in {ASKED[likely]}: --units {likely}"
 
 
 SAFE_NAME = re.compile(r"[A-Za-z0-9_][A-Za-z0-9_.-]{0,99}")
@@ -138,7 +155,9 @@ def new_type(name: str, source: Source, units: str | None, origin: Path, symmetr
     document = _document(name, mended, paint, files, [str(turn) for turn in turns], list(symmetries)) | {
         "parts": len(parts)
     }
-    return NewType(name, files, document, tuple(_lines(document, mended)), source.notes)
+    doubt = size_doubt(extent_of(vertices), units or "m")
+    notes = (*source.notes, doubt) if doubt else source.notes
+    return NewType(name, files, document, tuple(_lines(document, mended)), notes)
 
 
 def _object_text(

@@ -11,13 +11,13 @@ from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
-from xml.etree import ElementTree as ET
 from xml.etree.ElementTree import Element
 
 import numpy as np
 from numpy.typing import NDArray
 
 from geometry.files.plain_files import content_of, fault_of, must_be_plain
+from geometry.files.xml_files import XMLMistakeError, root_of
 from geometry.frames import from_rotation_translation
 from kb.errors import IntakeError
 from kb.intake.source import GREY, Piece, Source, read_source
@@ -27,14 +27,11 @@ Frame = NDArray[np.float64]
 
 MAX_BYTES = 20_000_000
 """Largest description."""
-MAX_DEPTH = 60
-"""Deepest nesting."""
 LARGEST = 1e9
 """What every number stays below: sizes in m, angles, scales."""
-_DECLARATION = re.compile(r"\A\s*<\?xml[^>]*\?>")
 
 
-def read_xml(path: Path) -> ET.Element:
+def read_xml(path: Path) -> Element:
     """The root element; what the declaration says is not asked, as pybullet's own files have version 0.0 there.
 
     Raises:
@@ -42,20 +39,10 @@ def read_xml(path: Path) -> ET.Element:
     """
     must_be_plain(path, IntakeError, MAX_BYTES)
     text = content_of(path, MAX_BYTES, IntakeError).decode("utf-8-sig", errors="replace")
-    if "<!DOCTYPE" in text or "<!ENTITY" in text:
-        raise IntakeError(f"{path}: defines entities, which no robot description needs")
     try:
-        root = ET.fromstring(_DECLARATION.sub("", text))  # noqa: S314 - no entities: see above
-    except ET.ParseError as error:
-        raise IntakeError(f"{path}: is no XML: {error}") from None
-    level, depth = [root], 0
-    while level:
-        level, depth = [child for element in level for child in element], depth + 1
-        if depth > MAX_DEPTH:
-            raise IntakeError(
-                f"{path}: its elements are nested deeper than {MAX_DEPTH} levels, which no robot description needs"
-            )
-    return root
+        return root_of(text, "robot description")
+    except XMLMistakeError as error:
+        raise IntakeError(f"{path}: {error}") from None
 
 
 def numbers(text: str | None, count: int, default: float, what: str) -> list[float]:
@@ -118,6 +105,7 @@ class Visual:
     Sizes are sides; radius and length; radius.
 
     ``scale`` (3,) of the mesh's coordinates; ``root_from_shape`` (4, 4), m; ``colour`` red, green, blue in [0, 255].
+    ``where``: the file and the link, for errors.
     """
 
     root_from_shape: NDArray[np.float64]
@@ -126,47 +114,53 @@ class Visual:
     kind: str = ""
     sizes: tuple[float, ...] = ()
     colour: tuple[int, int, int] | None = None
+    where: str = ""
 
 
 def merged(path: Path, visuals: Sequence[Visual]) -> Source:
-    """All shapes as one source, in metres and in the root's frame; a note on each mesh that could not be had.
+    """All shapes as one source, in metres and in the root's frame.
 
     Raises:
-        IntakeError: no visible shape at all, or none that could be had.
+        IntakeError: no visible shape at all, or a line for each mesh that cannot be had.
     """
     if len(visuals) > MOST:
         raise IntakeError(f"{path}: has {len(visuals)} visible shapes, more than {MOST}")
     read: dict[str, Source | str] = {}
     pieces: list[Piece] = []
-    notes: list[str] = []
+    notes, wrong = list[str](), list[str]()
     for visual in visuals:
         source = _source(path.parent, visual, read)
         if isinstance(source, str):
-            notes.append(source)
+            wrong.append(f"{visual.where}: {source}")
             continue
         placed = source.moved(visual.root_from_shape @ np.diag([*visual.scale, 1.0]))
         colour = visual.colour or GREY  # of what has none of its own
         pieces += [replace(piece, colour=colour) if piece.colour == GREY else piece for piece in placed.pieces]
         notes += source.notes
+    if wrong:
+        raise IntakeError("\n".join(dict.fromkeys(wrong)))
     if not pieces:
-        raise IntakeError(f"{path}: holds no visible shape" + (f": {notes[0]}" if notes else ""))
+        raise IntakeError(f"{path}: holds no visible shape")
     return Source(tuple(pieces), tuple(dict.fromkeys(notes)))
 
 
+SOUGHT = "in the description's folder and, of package:// and model://, below the six folders above"
+
+
 def _source(folder: Path, visual: Visual, read: dict[str, Source | str]) -> Source | str:
-    """The shape in its own frame, each file read once; a note instead where it cannot be had."""
+    """The shape in its own frame, each file read once; instead, where it cannot be had, what is wrong."""
     if visual.file is None:
         return _primitive(visual)
     if visual.file not in read:
         file = found_file(folder, visual.file)
         try:
             read[visual.file] = (
-                f"the mesh {visual.file!r:.80} is missing or no plain file: left out"
+                f"the mesh {visual.file!r:.80} is missing or no plain file, {SOUGHT}: put it there, or take the visual out"
                 if file is None
                 else read_source(file)
             )
         except IntakeError as error:
-            read[visual.file] = f"{error}: left out"
+            read[visual.file] = f"{error}: repair it, or take the visual out"
     return read[visual.file]
 
 
@@ -333,7 +327,7 @@ def _shapes(visual: Element, place: Frame, read: Read, file_key: str, where: str
         what = f"{where}: {shape.tag}"
         if shape.tag == "mesh":
             scale = numbers(read(shape, "scale"), 3, 1.0, f"{what}: scale")
-            yield Visual(place, read(shape, file_key) or "", tuple(scale))
+            yield Visual(place, read(shape, file_key) or "", tuple(scale), where=where)
         elif shape.tag in SIZES:
             rows = [numbers(read(shape, key), count, 0.0, f"{what}: {key}") for key, count in SIZES[shape.tag]]
             sizes = tuple(size for row in rows for size in row)

@@ -82,11 +82,11 @@ def _off_the_mesh(kind: ObjectType) -> Iterator[str]:
     if far or inside:
         times = _times(ratio if far else 1.0 / ratio)
         more, remedy = (
-            ("more", _remedy(ratio, "a feature's at", "[15 cm, 0 m, 2 cm]"))
+            ("more", _remedy(ratio, "a feature's at", "[15 {}, 0 m, 2 {}]", "cm"))
             if far
             else (
                 "less",
-                _remedy(1.0 / ratio, "the mesh", "mesh: {units: mm}"),
+                _remedy(1.0 / ratio, "the mesh", "mesh: {{units: {}}}", "mm"),
             )
         )
         yield f"its features measure {_metres(extent)} and its mesh {_metres(size)}, {times} {more}: they are in different units: {remedy}"
@@ -104,11 +104,11 @@ def _is_unit(ratio: float) -> bool:
     return any(abs(log10(ratio / unit)) < 0.1 for unit in UNITS if unit >= 100.0)
 
 
-def _remedy(ratio: float, what: str, example: str) -> str:
+def _remedy(ratio: float, what: str, example: str, usual: str) -> str:
+    """What to write; ``example`` has a place for each unit, the ``usual`` one's where none is meant."""
     unit = next((name for factor, name in UNITS.items() if abs(log10(ratio / factor)) < 0.3), None)
-    return (
-        f"is {what} in {unit}? write it so, as in {example}" if unit else f"state the unit of {what}, as in {example}"
-    )
+    shown = example.replace("{}", unit or usual).replace("{{", "{").replace("}}", "}")
+    return f"is {what} in {unit}? write it so, as in {shown}" if unit else f"state the unit of {what}, as in {shown}"
 
 
 def _times(ratio: float) -> str:

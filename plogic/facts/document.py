@@ -217,6 +217,15 @@ class DoubtRow(TypedDict):
     evidence: NotRequired[Annotated[Chance, "Probability of the relation by what is detected."]]
 
 
+class CameraDoubtRow(TypedDict):
+    """That the accepted objects fit another focal length than the camera's, in pixels."""
+
+    focal: Annotated[float, "The focal length that they fit."]
+    standard_error: Annotated[float, "Its standard error."]
+    stated: Annotated[float, "The camera's."]
+    why: Annotated[str, "The same in words."]
+
+
 class SharesRow(TypedDict):
     """P(dv) by feature type; where dv is over the instances in Δ, that over the types of Σo as well (§5.1)."""
 
@@ -355,6 +364,7 @@ class Interpretation(Marks, Listed):
     hypotheses: Annotated[list[HypothesisRow | RejectedRow], "What may be there, and what was tried and dropped."]
     relations: NotRequired[Annotated[list[RelationRow], "Relations of two hypotheses, each with its probability."]]
     doubts: NotRequired[Annotated[list[DoubtRow], "Predictions that fail."]]
+    camera_doubt: NotRequired[Annotated[CameraDoubtRow, "That they contradict the camera; left out where they do not."]]
     space: NotRequired[Annotated[SpaceRow | None, "Where bodies are and what is above, on and beside what."]]
     gravity: NotRequired[Annotated[GravityRow | None, "What is assumed of gravity; null: nothing."]]
     measures: Annotated[MeasuresRow, "Measures of the types."]

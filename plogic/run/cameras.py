@@ -25,6 +25,10 @@ Rounded millimetres (4 %), equivalents told by width instead of diagonal (4 to 9
 WAYS = "--camera FILE, or its field of view: --fov DEG across, or --fov-diagonal DEG (75 to 84 of most phones' main cameras)"
 
 
+class NoCameraError(InputError):
+    """Nothing tells a picture's camera."""
+
+
 @dataclass(frozen=True, slots=True)
 class GivenCamera:
     """What was given for the camera of pictures: one of these, or nothing.
@@ -134,14 +138,14 @@ def shot_with(
 ) -> Shot:
     """A picture (H, W, 3) that was read from ``source``, with its camera; ``exif`` where the file has such.
 
-    Raises InputError where nothing tells the camera, or a file's camera is of another size; CameraError.
+    Raises NoCameraError where nothing tells the camera, InputError where a file's is of another size; CameraError.
     """
     from sensing.files.exif import Exif
 
     size = image.shape[1], image.shape[0]
     camera = given.of(size, source)
     if camera is None and exif is None:
-        raise InputError(f"{source}: an image needs its camera: give {ways}")
+        raise NoCameraError(f"{source}: an image needs its camera: give {ways}")
     exif = exif or Exif()
     if camera is None:
         return Shot(image, *_guessed(size, source, exif, ways))
@@ -187,7 +191,7 @@ def _guessed(size: tuple[int, int], source: str, exif: "Exif", ways: str) -> "tu
         why = "its EXIF tells no focal length"
         if is_cut(exif, size) and exif.size is not None:
             why = f"its EXIF is of {exif.size[0]}x{exif.size[1]} and the picture of {size[0]}x{size[1]}, so it was cut"
-        raise InputError(f"{source}: an image needs its camera: give {ways}; {why}")
+        raise NoCameraError(f"{source}: an image needs its camera: give {ways}; {why}")
     said = f"camera guessed from EXIF: {guess.source}, focal {guess.f:.0f} px; no lens distortion known"
     return centred_camera(size, guess.f), (said, *_turned(exif, size))
 

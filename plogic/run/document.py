@@ -7,6 +7,7 @@ in every world (``left_out`` per hypothesis, and one feature that stands for tho
 """
 
 from collections.abc import Collection, Mapping, Sequence
+from math import floor, hypot, log10
 from typing import TYPE_CHECKING, cast
 
 import numpy as np
@@ -270,6 +271,24 @@ def surpassed(document: Interpretation) -> dict[str, str]:
 def _are(one: HypothesisRow, other: HypothesisRow, pairs: Collection[tuple[str, ...]]) -> bool:
     """Whether some fact names the two of them."""
     return (one["id"], other["id"]) in pairs or (other["id"], one["id"]) in pairs
+
+
+def placed_in(document: Interpretation) -> tuple[str, ...]:
+    """Each accepted object, and where the origin of its frame is in the camera's.
+
+    ``h1 t1 (0.941) at (0.12, -0.03, 0.84) m, 0.85 m away``.
+    """
+    accepted = [h for h in document["hypotheses"] if h["status"] == "accepted"]
+    places = [_place([row[3] for row in h["T_camera_object"][:3]]) for h in accepted]
+    return tuple(f"{name} {place}" for name, place in zip(accepted_in(document), places, strict=True))
+
+
+def _place(origin: Sequence[float]) -> str:
+    """A place (3,) m, in words; to centimetres, of what is nearer than 0.1 m to two digits of its distance."""
+    away = hypot(*origin)
+    digits = max(2, 1 - floor(log10(away))) if away > 0.0 else 2
+    x, y, z = (f"{round(value, digits) + 0.0:.{digits}f}" for value in origin)  # + 0.0: no -0.00
+    return f"at ({x}, {y}, {z}) m, {away:.{digits}f} m away"
 
 
 def _chance(h: HypothesisRow) -> str:

@@ -24,6 +24,7 @@ from plogic.match.gamma.data import Data, data_of
 from plogic.match.kinds import FAST, GENERATORS, models_of
 from plogic.measures.distinctiveness import distinctiveness, instance_counts
 from plogic.run.document import IMPOSSIBLE, document_of
+from plogic.run.lens import focal_doubt
 from plogic.scene.readings.unfinished import marked
 from plogic.scene.worlds.ranked_worlds import Ranking, ranked_worlds
 from sensing.appearance import Gamma
@@ -102,6 +103,9 @@ class Perceiver:
             document = document_of(
                 self.kb, gamma, delta, rejected, trace, ranking, image, seconds=AFTER if late else None
             )
+            doubt = focal_doubt(document, gamma.camera)
+        if doubt is not None:
+            document = {**document, "camera_doubt": doubt}
         return marked(document, ranking, stopped) if stopped else document
 
     def accepted(self, gamma: Gamma) -> list[tuple[Hypothesis, float]]:

@@ -17,9 +17,10 @@ from kb.learning.compounds import with_parts
 from kb.learning.observations import AWAY, MARGIN, PIXELS, Observations, joined, observed
 from kb.learning.symmetry_trials import DIRECTIONS, Trial, entries, judged, trials
 from plogic.base.errors import InputError
-from plogic.face.authoring.kb_learn_look import detection_by, learned_of
+from plogic.face.authoring.kb_learn_look import LOOKED, NoPrintError, detection_by, learned_of
 from plogic.face.authoring.kb_types import check_own, type_folders, with_entry
 from plogic.face.shown.options import Learning
+from plogic.face.shown.progress import Work
 from plogic.face.shown.tables import plain_table
 from plogic.run.sources import kb_of
 from sensing.errors import SensingError
@@ -30,31 +31,71 @@ from sensing.simulated.stage import MAX_TRIANGLES
 
 BY_HAND = "its features were written by hand; learning would replace them: take them out of object.yaml first"
 
-
+NO_TEXTURE = (
+    "its mesh has no texture, so keypoints see nothing of it; lay a photo on it (plogic kb learn NAME --photo FILE "
+    "--points FILE), or write junctions, patches, markers or colour blobs into object.yaml by hand"
+)
+NOTHING_NEW = (
+    "nothing to learn: every type that can be learned has features already; name those that are to be learned again"
+)
+WORDED = 10.0
+"""What it takes to find the words of a type, in views: 23 s for two types of 80 views, which take 100 s each."""
 NAMED = 20
 """Names that a line lists."""
 
 
 def learn_command(kb_folder: str, names: Sequence[str], options: Learning, *, say: Callable[[str], None]) -> str:
-    """Learn the types that are named, or all that have a texture and no features."""
+    """Learn the types that are named, or all that have a texture and no features; what cannot be learned is left out.
+
+    Raises:
+        InputError: a name is no type's, or nothing can be learned and no type is there that has features.
+    """
     kb = kb_of(kb_folder)
     folder = check_own(kb_folder)
-    chosen = _chosen(kb, names)
+    chosen, left_out = _chosen(kb, names)
     check_detector(kb_folder, kb, options.detector, [kind.name for kind in chosen])
     rows, clouds = [], {kind.name: kind.learned for kind in kb.types if kind.learned is not None}
     places, found = type_folders(folder), {}
-    for kind in chosen:
-        file = places[kind.name] / "object.yaml"
-        clouds[kind.name] = with_parts(kind, learned_of(kind, kb, options, say))
-        rows.append(row_of(kind.name, clouds[kind.name]))
-        if not stated(file):
-            found[file] = symmetries_of(kind, clouds[kind.name], options, say)
-        rows[-1]["symmetries"] = symmetry_rows(found[file]) if file in found else None
-    words, clouds = worded(clouds, options.seed)
-    write_files(written(files_of(folder, words, clouds), found))
+    total = (LOOKED + DIRECTIONS) * len(chosen) + WORDED * len(clouds.keys() | {kind.name for kind in chosen})
+    with Work(total or 1.0, say) as work:
+        for kind in chosen:
+            file = places[kind.name] / "object.yaml"
+            try:
+                clouds[kind.name] = with_parts(kind, learned_of(kind, kb, options, work))
+            except NoPrintError as error:
+                left_out[kind.name] = error.why
+                work.skip(DIRECTIONS)
+                continue
+            rows.append(row_of(kind.name, clouds[kind.name]))
+            if not stated(file):
+                found[file] = symmetries_of(kind, clouds[kind.name], options, work)
+            work.step(DIRECTIONS)
+            rows[-1]["symmetries"] = symmetry_rows(found[file]) if file in found else None
+        if rows:
+            work.at(f"{len(clouds)} types: words")
+            words, clouds = worded(clouds, options.seed)
+    _tell_left_out(left_out, nothing=not rows and (bool(names) or not any(kind.features for kind in kb.types)), say=say)
+    if rows:
+        write_files(written(files_of(folder, words, clouds), found))
+        count = len(words.centroids)
+    else:
+        count = 0 if kb.words is None else len(kb.words.centroids)
     if options.as_json:
-        return json.dumps({"format": "kb_learn/1", "kb": kb.name, "words": len(words.centroids), "types": rows})
-    return _text(f"learned into {kb_folder}: {len(words.centroids)} words in all", rows)
+        missed = [{"type": name, "why": why} for name, why in left_out.items()]
+        return json.dumps({"format": "kb_learn/1", "kb": kb.name, "words": count, "types": rows, "left_out": missed})
+    return _text(f"learned into {kb_folder}: {count} words in all", rows) if rows else NOTHING_NEW
+
+
+def _tell_left_out(why: Mapping[str, str], *, nothing: bool, say: Callable[[str], None]) -> None:
+    """Say which types were left out, a line a reason. Raises InputError with it where ``nothing`` else was done."""
+    together: dict[str, list[str]] = {}
+    for name, reason in why.items():
+        together.setdefault(reason, []).append(name)
+    lines = [(_few(those), reason) for reason, those in together.items()]
+    if nothing and lines:
+        raise InputError("\n".join(f"{those}: {reason}" for those, reason in lines))
+    for those, reason in lines:
+        say(f"{those}: left out: {reason}")
 
 
 def _text(title: str, rows: list[dict[str, Any]]) -> str:
@@ -65,28 +106,25 @@ def _text(title: str, rows: list[dict[str, Any]]) -> str:
     )
 
 
-def _chosen(kb: KnowledgeBase, names: Sequence[str]) -> list[ObjectType]:
-    """The types to learn, each once; everything that is wrong with them is told at once."""
+def _chosen(kb: KnowledgeBase, names: Sequence[str]) -> tuple[list[ObjectType], dict[str, str]]:
+    """The types to learn, each once, and why each of the others that were asked for cannot be.
+
+    Raises:
+        InputError: a name is no type's; with what else is wrong, so that everything is told at once.
+    """
     known = {kind.name: kind for kind in kb.types}
     names = list(dict.fromkeys(names))
+    if not known and not names:
+        raise InputError("there is no object type yet: plogic kb add NAME --mesh FILE --units m|cm|mm --kb KB")
     some = (
         [known[name] for name in names if name in known] if names else [kind for kind in kb.types if not kind.features]
     )
+    left_out = {kind.name: why for kind in some if (why := _fault(kind)) is not None}
     lost = [name for name in names if name not in known]
-    wrong = [f"{_few(lost)}: no such object type; there are: {_few(list(known)) or 'none (plogic kb add)'}"] * bool(
-        lost
-    )
-    faults: dict[str, list[str]] = {}
-    for kind in some:
-        fault = _fault(kind)
-        if fault is not None:
-            faults.setdefault(fault, []).append(kind.name)
-    wrong += [f"{_few(those)}: {fault}" for fault, those in faults.items()]
-    if wrong:
-        raise InputError("\n".join(wrong))
-    if not some:
-        raise InputError("every type has features already; name those that are to be learned again")
-    return some
+    if lost:
+        there = f"{_few(lost)}: no such object type; there are: {_few(list(known)) or 'none (plogic kb add)'}"
+        raise InputError("\n".join([there, *(f"{name}: {why}" for name, why in left_out.items())]))
+    return [kind for kind in some if kind.name not in left_out], left_out
 
 
 def _few(names: Sequence[str]) -> str:
@@ -105,7 +143,7 @@ def _fault(kind: ObjectType) -> str | None:
     except SensingError as error:
         return str(error)
     if mesh.texture is None:
-        return "its mesh has no texture, so keypoints see nothing of it; junctions, patches, markers and colour blobs can be written by hand"
+        return NO_TEXTURE
     if len(mesh.triangles) > MAX_TRIANGLES:
         what = f"{kind.mesh_file.name} has {len(mesh.triangles)} triangles, more than the {MAX_TRIANGLES} that can be rendered"
         return f"{what}: simplify the mesh with its texture kept (as Blender's Decimate does), and put it in place of the one that is there"
@@ -171,7 +209,7 @@ def _named(file: Path, key: str, data: bytes) -> dict[Path, bytes]:
 KEPT = "symmetries: as object.yaml states them"
 
 
-def symmetries_of(kind: ObjectType, cloud: LearnedCloud, options: Learning, say: Callable[[str], None]) -> list[Trial]:
+def symmetries_of(kind: ObjectType, cloud: LearnedCloud, options: Learning, work: Work) -> list[Trial]:
     """A trial for each turn of the type's shape.
 
     New pictures of it are taken where the cloud alone does not rule all of them out.
@@ -182,7 +220,8 @@ def symmetries_of(kind: ObjectType, cloud: LearnedCloud, options: Learning, say:
     groups, directions = trials(cloud, kind.surface), even_directions(DIRECTIONS)
     if not any(trial.likely for group in groups for trial in group):
         return judged(groups, cloud, None, directions)
-    say(f"{kind.name}: {DIRECTIONS} new pictures, for its symmetries")
+    work.say(f"{kind.name}: {DIRECTIONS} new pictures, for its symmetries")
+    work.at(f"{kind.name}: symmetries")
     return judged(groups, cloud, _new_pictures(kind, options, directions), directions)
 
 

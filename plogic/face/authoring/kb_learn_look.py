@@ -28,7 +28,7 @@ from kb.shown.cautions import compound_sizes, compounds_text
 from plogic.base.errors import InputError
 from plogic.base.jobs import ChildDiedError, afresh
 from plogic.face.shown.options import Learning
-from plogic.face.shown.progress import Progress
+from plogic.face.shown.progress import Work
 from sensing.detectors.keypoint_detector import described, edge_sides
 from sensing.detectors.keypoints import Keypoints
 from sensing.errors import SensingError
@@ -37,55 +37,70 @@ from sensing.simulated.body import TexturedMesh, read_mesh
 from sensing.simulated.camera import extent, turned
 from sensing.simulated.physics import physics_version
 
-CHUNK = 20
+CHUNK = 10
 """Directions that a process renders at a time."""
+FITTED = 8.0
+"""What it takes to make a cloud of what was seen, in views: 8 s where 80 views take 100 s by two processes."""
+LOOKED = DIRECTIONS + FITTED
+"""What a type takes, in views (``Work``)."""
+
+
+class NoPrintError(InputError):
+    """A type shows nothing that could be learned; ``why``: the message without the type's name."""
+
+    def __init__(self, name: str, why: str) -> None:
+        super().__init__(f"{name}: {why}")
+        self.why = why
 
 
 def looked(
     kind: ObjectType,
     kb: KnowledgeBase,
     options: Learning,
-    say: Callable[[str], None],
+    work: Work,
     painted: PaintedMesh | None = None,
 ) -> LearnedCloud:
     """The cloud of a type, rendered from its mesh file; of one ``painted`` with a photo, only of what the photo shows.
 
     Raises:
-        InputError: nothing of it comes again from view to view, or a process died. SensingError: the mesh cannot be
-        drawn.
+        NoPrintError: nothing of it comes again from view to view. InputError: a process died. SensingError: the mesh
+        cannot be drawn.
     """
     assert kind.mesh_file is not None  # noqa: S101 - the caller looked
     task = (str(kind.mesh_file), kind.mesh_scale, options.detector, options.seed)
-    whole = joined(_seen(kind.name, task, DIRECTIONS, options.jobs))
+    whole = joined(_seen(kind.name, task, DIRECTIONS, options.jobs, work))
+    work.at(f"{kind.name}: features")
     diameter = extent(read_mesh(kind.mesh_file, kind.mesh_scale).vertices)[1]
     cloud = cloud_of(whole if painted is None else on_shown(painted, whole), diameter, kb.f_ref, DIRECTIONS)
     if not len(cloud.at):
-        raise InputError(
-            f"{kind.name}: no keypoint of it comes again from view to view: its texture is too plain for {options.detector}"
+        raise NoPrintError(
+            kind.name,
+            f"no keypoint of it comes again from view to view: its texture is too plain for {options.detector}; "
+            "write junctions, patches, markers or colour blobs into object.yaml by hand",
         )
+    work.step(FITTED)
     compounds, together, largest = compound_sizes(cloud)
     groups = f", {together} of them in {compounds_text(compounds, largest)}" if compounds else ""
-    say(f"{kind.name}: {len(cloud.at)} features{groups}, {len(cloud.feature)} appearances")
+    work.say(f"{kind.name}: {len(cloud.at)} features{groups}, {len(cloud.feature)} appearances")
     return cloud
 
 
-def _seen(name: str, task: tuple[str, float, str, int], count: int, jobs: int) -> list[Observations]:
+def _seen(name: str, task: tuple[str, float, str, int], count: int, jobs: int, work: Work) -> list[Observations]:
     """What is seen from ``count`` directions, in their order."""
     parts = [range(start, min(start + CHUNK, count)) for start in range(0, count, CHUNK)]
     seen: list[Observations] = []
-    progress = Progress()
+    work.at(f"{name}: 0 of {count} views")
     try:
         # a forked process would inherit the locks of OpenCV's threads, and wait for them for ever
         with closing(afresh(partial(_look, task), parts, jobs)) as found:
             for part, some in zip(parts, found, strict=True):
                 seen += some
-                progress.at(f"{name}: {part.stop} of {count} views")
+                work.at(f"{name}: {part.stop} of {count} views")
+                work.step(len(part))
     except ChildDiedError:
         raise InputError(
             f"{name}: a process that rendered it was killed, as for lack of memory: fewer --jobs than {jobs}?"
         ) from None
-    finally:
-        progress.end()
     return seen
 
 
@@ -122,33 +137,34 @@ def learned_of(
     kind: ObjectType,
     kb: KnowledgeBase,
     options: Learning,
-    say: Callable[[str], None],
+    work: Work,
     painted: PaintedMesh | None = None,
 ) -> LearnedCloud:
     """The cloud of a type from the cache, or learned and put there; raises as ``looked`` does."""
     assert kind.mesh_file is not None  # noqa: S101 - the caller looked
     folder = cache_folder("clouds")
     if folder is None:
-        say(
+        work.say(
             f"{kind.name}: is not remembered for the next time: there is no home folder; XDG_CACHE_HOME may name another"
         )
-        return read_cloud(cloud_bytes(looked(kind, kb, options, say, painted)))
+        return read_cloud(cloud_bytes(looked(kind, kb, options, work, painted)))
     how = (kb.f_ref, options.detector, options.seed, painted is not None)
     place = folder / f"{key_of(read_mesh(kind.mesh_file, kind.mesh_scale), how)}.npz"
     try:
         remembered = _kept(place.read_bytes())
     except (OSError, CloudError):
-        content = cloud_bytes(looked(kind, kb, options, say, painted))
+        content = cloud_bytes(looked(kind, kb, options, work, painted))
         try:
             place.parent.mkdir(parents=True, exist_ok=True)
             write_whole(place, content)
             forget_files_beside(place)
         except (OSError, SensingError) as error:
-            say(f"{kind.name}: is not remembered for the next time: {error}")
+            work.say(f"{kind.name}: is not remembered for the next time: {error}")
         return read_cloud(content)  # in the file's precision, as it will come the next time: equal hit rates stay equal
     with suppress(OSError):  # who may only read it uses it all the same
         os.utime(place)
-    say(f"{kind.name}: was learned before ({place})")
+    work.say(f"{kind.name}: was learned before ({place})")
+    work.skip(LOOKED)
     return remembered
 
 

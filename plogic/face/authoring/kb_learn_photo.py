@@ -23,9 +23,10 @@ from kb.learning.compounds import with_parts
 from kb.learning.photo import PaintedMesh, painted, read_points, registered
 from plogic.base.errors import InputError
 from plogic.face.authoring.kb_learn import BY_HAND, check_detector, files_of, row_of
-from plogic.face.authoring.kb_learn_look import learned_of
+from plogic.face.authoring.kb_learn_look import LOOKED, learned_of
 from plogic.face.authoring.kb_types import check_own, check_places, new_command, type_folders, with_entry, write_types
 from plogic.face.shown.options import Learning, Photo
+from plogic.face.shown.progress import Work
 from plogic.face.shown.tables import plain_table
 from plogic.run.cameras import sized
 from plogic.run.sources import kb_of
@@ -47,13 +48,17 @@ def learn_photo_command(
     Raises InputError, KBError, GeometryError, SensingError: nothing is written then.
     """
     kb, new, kind = _the_type(kb_folder, names, sources, options.detector, say)
+    for note in new.notes if new is not None else ():
+        say(f"{kind.name}: {note}")
     found, mesh = _registered(kind, sources)
     say(_told(kind, found, mesh))
     with tempfile.TemporaryDirectory(prefix="plogic-photo-") as folder:
         files = _paint_files(mesh, sources.photo.name, kind.mesh_scale)
         for name, data in files.items():
             (Path(folder) / name).write_bytes(data)
-        cloud = with_parts(kind, learned_of(replace(kind, mesh_file=Path(folder) / PAINT[0]), kb, options, say, mesh))
+        with Work(LOOKED, say) as work:
+            paint = replace(kind, mesh_file=Path(folder) / PAINT[0])
+            cloud = with_parts(kind, learned_of(paint, kb, options, work, mesh))
     count = _write(Path(kb_folder), new, kind.name, files, cloud, options.seed)
     return _answer(kb_folder, kind, found, mesh, cloud, count, as_json=options.as_json)
 

@@ -14,16 +14,19 @@ import click
 from geometry.errors import WhichCameraError
 from plogic.base.children import ending_well
 from plogic.face.shown.options import Batching
-from plogic.face.shown.progress import Progress
-from plogic.run.batch.frame_lines import ERROR, UNFINISHED, is_empty, is_noted
+from plogic.face.shown.progress import Progress, bar, duration
+from plogic.run.batch.frame_lines import ERROR, UNFINISHED, doubt_in, is_empty, is_noted
 from plogic.run.batch.frames import Frame, Settings, checked, frames_of
 from plogic.run.batch.frames_run import Engine, Waiting, run, waiting_beside
 from plogic.run.batch.log import Log, check_out, check_same, left_over, log_at
 from plogic.run.batch.pool import Pool
+from plogic.run.batch.work import check_cameras
 from plogic.run.cameras import GivenCamera, read_given
 
 NOTED = "noted"
 """What is counted beside bad and unfinished frames."""
+SOME_SIZE = 640, 480
+"""Of a picture that is not read yet, where the camera's file states no size."""
 BAD, LATE = 1, 3
 """Exit statuses: a frame could not be perceived; the deadline cut one short."""
 
@@ -41,6 +44,7 @@ def batch_command(inputs: Sequence[str], settings: Settings, options: Batching, 
     check_out([] if out == "-" else [Path(out), *([beside] if beside is not None else [])], resume=options.resume)
     _check_camera(settings.camera)
     frames = frames_of(inputs, listed, options.every)
+    check_cameras(frames, settings.camera)
     with ending_well():
         engine = _engine(settings, options)
         try:
@@ -57,7 +61,7 @@ def _check_camera(given: GivenCamera) -> None:
     if (source := given.source()) is not None and given.file is not None:
         checked(source)
         with suppress(WhichCameraError):  # each picture tells its own
-            read_given(given.file)
+            read_given(given.file, SOME_SIZE)
 
 
 def _engine(settings: Settings, options: Batching) -> Engine:
@@ -88,7 +92,7 @@ def _run(
     count[NOTED] = 0
     before = {(line.input, line.frame) for line in (*log.written, *waiting.written)}
     progress = Frames(len(frames), len(frames) - len(before))
-    empty: list[Frame] = []
+    empty, doubted = list[Frame](), list[Frame]()
 
     def write(frame: Frame, status: str, line: bytes) -> None:
         log.write(line)
@@ -96,6 +100,9 @@ def _run(
             count[status] += 1
         if status == ERROR:
             progress.say(_why(frame, line))
+        if not doubted and (doubt := doubt_in(line)):
+            doubted.append(frame)
+            progress.say(f"{frame.name}: {doubt} (told once)")
         count[NOTED] += is_noted(line)
         empty.extend([frame] * is_empty(line))
         if (frame.input, frame.frame) not in before:
@@ -130,15 +137,13 @@ def _told_of(empty: Sequence[Frame]) -> str:
 
 def _summary(out: str, total: int, new: int, count: dict[str, int]) -> str:
     before = f", {total - new} of them before" if new < total else ""
-    told = {ERROR: "bad", UNFINISHED: "unfinished", NOTED: "with a guessed or doubtful camera (notes)"}
+    told = {ERROR: "bad", UNFINISHED: "unfinished", NOTED: "with a guessed or doubtful camera (notes, camera_doubt)"}
     wrong = "".join(f", {count[key]} {what}" for key, what in told.items() if count[key])
     return f"{'' if out == '-' else f'{out}: '}{total} frame{'s' * (total != 1)}{before}{wrong}"
 
 
 EVERY = 0.2
 """Seconds between two pictures of the bar."""
-WIDTH = 30
-"""Characters of the bar."""
 
 
 class Frames:
@@ -158,7 +163,7 @@ class Frames:
             self._progress.at(self.text(now))
         elif now - self._told >= EVERY:
             self._told = now
-            self._progress.at(f"{self._drawn()}{self.text(now)}")
+            self._progress.at(f"{bar(self._total - self._left + self._done, self._total)} {self.text(now)}")
 
     def say(self, line: str) -> None:
         """A line that stays, above the bar."""
@@ -174,19 +179,3 @@ class Frames:
         seconds = (now - self._start) / self._done * (self._left - self._done)
         bad = f", {self._bad} bad" if self._bad else ""
         return f"{self._total - self._left + self._done} of {self._total} frames{bad}, about {duration(seconds)} left"
-
-    def _drawn(self) -> str:
-        full = WIDTH * (self._total - self._left + self._done) // self._total
-        return f"[{'#' * full}{'.' * (WIDTH - full)}] "
-
-
-def duration(seconds: float) -> str:
-    """In words, to the unit that matters: ``40 s``, ``12 min``, ``3 h 20 min``, ``2 d 5 h``."""
-    whole = round(seconds)
-    if whole < 100:
-        return f"{whole} s"
-    minutes = round(seconds / 60)
-    if minutes < 100:
-        return f"{minutes} min"
-    hours, rest = divmod(minutes, 60)
-    return f"{hours} h {rest} min" if hours < 48 else f"{hours // 24} d {hours % 24} h"

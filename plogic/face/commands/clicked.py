@@ -234,7 +234,8 @@ def measures(interpretation: str, *, as_json: bool) -> None:
 
     They are ev alone and in each mode beside Δi, Shanahan's value, the posterior, dv and rank.
 
-    Distinctiveness is told over the types of the knowledge base, and over the instances in Δi.
+    Distinctiveness is told over the types of the knowledge base, and over the instances in Δi; visual words are summed
+    up, and --json lists them.
     """
     from plogic.face.commands.program import measures_command
 

@@ -14,6 +14,7 @@ import numpy as np
 
 from geometry.files.remembered import cache_folder
 from kb.clouds.cloud import KnowledgeBase, ObjectType
+from kb.clouds.words import is_word
 from kb.files.read import read_kb
 from plogic.base.errors import InputError
 from plogic.face.shown.figures import chance
@@ -66,6 +67,7 @@ def missing_document(document: Interpretation, name: str, kb: KnowledgeBase | No
         ],
         "appearances": here.total(),
         "look_like_it": None if kind is None else dict(sorted(looks_like(here, kind).items())),
+        "visual_words": None if kind is None else sum(map(is_word, set(kind.lobes.types))),
         "rank": next((step["why"] for step in steps if step["event"] == "rank"), None),
         "rejected": sum(step["event"] == "reject" for step in steps),
         "best": None if best is None else _best(best, kind, kb, gamma),
@@ -142,13 +144,21 @@ def _lines(told: dict[str, Any], source: str) -> Iterator[str]:
         yield f"{h['id']} is a {name}: {h['status']}, probability {chance(h['probability'])}; {h['why']}"
     yield from told["causes"] or []
     if told["look_like_it"] is not None:
-        counts = ", ".join(f"{number} {sort}" for sort, number in told["look_like_it"].items())
+        counts = ", ".join(_counts(told["look_like_it"], told["visual_words"]))
         number = sum(told["look_like_it"].values())
         yield f"data: {number} of {told['appearances']} appearances look like features of it{f': {counts}' if counts else ''}"
     else:
         yield f"data: {told['appearances']} appearances; which of them look like {name}, and the cause, is told with --kb KB"
     yield f"attention: {told['rank'] or 'it was not attended to, for it has no features'}"
     yield from _poses(told, source)
+
+
+def _counts(look_like_it: dict[str, int], words: int) -> Iterator[str]:
+    """``10 corner``, ``412 of 620 visual words detected``: those that nobody knows by name in one."""
+    yield from (f"{number} {sort}" for sort, number in look_like_it.items() if not is_word(sort))
+    detected = sum(map(is_word, look_like_it))
+    if words:
+        yield f"{detected} of {words} visual words detected"
 
 
 def _poses(told: dict[str, Any], source: str) -> Iterator[str]:

@@ -29,10 +29,9 @@ from plogic.facts.document import Interpretation
 from plogic.facts.interpretation import text_of
 from plogic.facts.situation import stopped_in
 from plogic.run.cameras import GivenCamera, Shot, shot_of, sized
-from plogic.run.document import accepted_in, surpassed
+from plogic.run.document import placed_in, surpassed
 from plogic.run.perceive import perceiver_of
 from plogic.run.silence.beforehand import beforehand
-from plogic.run.silence.lens import focal_doubt
 from plogic.run.sources import detected, gamma_of, is_gamma, kb_of
 from plogic.run.video.video import is_video
 from plogic.run.video.views import Input, views_in
@@ -88,8 +87,8 @@ def _of_one(source: str, options: Perceiving, say: Say, write: Say) -> int:
         with clock.stage("doubts"):
             document = doubts_weighed(document)
     status = _write_all(document, options, image, clock, write)
-    amiss = _surpassed(document), _impossible(document), _lens(document, gamma), _doubts(document)
-    for line in (*_silence(document, gamma, kb), _summary(document, clock), *chain(*amiss)):
+    amiss = _surpassed(document), _impossible(document), _lens(document), _doubts(document)
+    for line in (*_silence(document, gamma, kb), *_summary(document, clock), *chain(*amiss)):
         say(line)
     return status
 
@@ -122,7 +121,8 @@ def _of_pair(inputs: Sequence[str], options: Perceiving, stereo: str, say: Say, 
     status = _write_all(document, options, image, clock, write)
     deep = sum(a.depth is not None for a in gamma.appearances)
     say(f"{len(right.appearances)} appearances in the right image; {deep} of the left one's have depth")
-    for line in (*_silence(document, gamma, kb), _summary(document, clock), *_surpassed(document)):
+    amiss = _surpassed(document), _lens(document)
+    for line in (*_silence(document, gamma, kb), *_summary(document, clock), *chain(*amiss)):
         say(line)
     return status
 
@@ -217,10 +217,9 @@ def _surpassed(document: Interpretation) -> list[str]:
     return [f"{line} than {name}" for name, line in surpassed(document).items()]
 
 
-def _lens(document: Interpretation, gamma: Gamma) -> list[str]:
+def _lens(document: Interpretation) -> list[str]:
     """Whether the accepted objects disagree with the camera's focal length."""
-    told = focal_doubt(document, gamma.camera)
-    return [told] if told else []
+    return [document["camera_doubt"]["why"]] if "camera_doubt" in document else []
 
 
 def _silence(document: Interpretation, gamma: Gamma, kb: KnowledgeBase) -> list[str]:
@@ -232,13 +231,13 @@ def _silence(document: Interpretation, gamma: Gamma, kb: KnowledgeBase) -> list[
     return why_nothing(document, gamma, kb)
 
 
-def _summary(document: Interpretation, clock: Stopwatch) -> str:
-    """One line: what was found, whether that is all, and how long it took."""
-    stopped = stopped_in(document)
-    names = ", ".join(accepted_in(document)) or "no known object"
-    names = f"{names}; {REASONS[stopped]}" if stopped else names
+def _summary(document: Interpretation, clock: Stopwatch) -> list[str]:
+    """How much was found, whether that is all, and how long it took; then a line an object, with its place."""
+    stopped, placed = stopped_in(document), placed_in(document)
+    found = f"{len(placed)} object{'s' * (len(placed) > 1)}" if placed else "no known object"
+    found = f"{found}; {REASONS[stopped]}" if stopped else found
     stages = ", ".join(f"{name} {seconds * 1000:.0f} ms" for name, seconds in clock.seconds.items())
-    return f"{len(document['appearances'])} appearances; {names}; {stages}"
+    return [f"{len(document['appearances'])} appearances; {found}; {stages}", *placed]
 
 
 def _of_sequence(inputs: Sequence[str], options: Perceiving, say: Say, write: Say) -> int:
@@ -300,6 +299,9 @@ def _looks(
             return looks, error
         looks.append((frame.name, look))
         say(_line(frame.name, look, panorama))
+        for line in _lens(look.interpretation):
+            if not any("camera_doubt" in earlier.interpretation for _, earlier in looks[:-1]):
+                say(f"{frame.name}: {line}")
     return looks, None
 
 

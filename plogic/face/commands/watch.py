@@ -109,6 +109,7 @@ class Told:
 
     def __init__(self, source: str) -> None:
         self.frames = self._skipped = self._bad = self._unfinished = 0
+        self._doubted = False
         self._source, self._progress = source, Progress()
         self._seconds: list[float] = []
         self._start = 0.0
@@ -129,6 +130,9 @@ class Told:
         self._bad += seen.status == ERROR
         self._unfinished += seen.status == UNFINISHED
         self._seconds.append(seen.seconds)
+        if seen.doubt and not self._doubted:
+            self._doubted = True
+            self.say(f"{name}: {seen.doubt} (told once)")
         if seen.status == ERROR:
             self.say(f"{name}: {seen.error.splitlines()[0]}")
         self._progress.at(f"{name}: {', '.join(seen.known) or 'no known object'}; {self.summary()}")

@@ -1,7 +1,7 @@
 """An interpretation for Python: what a picture shows, and everything that can be asked of it."""
 
 import base64
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Self, get_args
 import numpy as np
 from numpy.typing import NDArray
 
+from kb.clouds.words import is_word
 from plogic.base.errors import InputError
 from plogic.face.python.asking import Asked, Program
 from plogic.face.session.blocks import Block, Column, Lines, Result, Rows, Table
@@ -60,7 +61,7 @@ FEATURES = (
 
 @dataclass(frozen=True, repr=False)
 class Measures(Rows[Measure]):
-    """A row each hypothesis of Δh, in its order; ``features``: dv of each feature type.
+    """A row each hypothesis of Δh, in its order; ``features``: dv of each feature type; shown, one row of all words.
 
     ``dv_over``: what ev is weighed by, dv over the types of Σo or over the instances in Δ (§5.1).
     """
@@ -78,7 +79,10 @@ class Measures(Rows[Measure]):
         """Both tables."""
         columns = (Column("hypothesis"), Column("status"), *(Column(title, right=True) for title in TITLES.values()))
         rows = tuple((f"{h.type} {h.id}", h.status, *(_cell(h, name) for name in TITLES)) for h in self.hypotheses)
-        kinds = tuple((f.type, chance(f.over_types), chance(f.over_instances)) for f in self.features)
+        named = [f for f in self.features if not is_word(f.type)]
+        kinds = tuple((f.type, chance(f.over_types), chance(f.over_instances)) for f in named)
+        if len(named) < len(self.features):
+            kinds += (_words_row([f for f in self.features if is_word(f.type)]),)
         over = "" if self.dv_over == "types" else ", ev weighed by dv over the instances in Δ"
         legend = Lines("columns", LEGEND)
         return Table(f"hypotheses{over}", columns, rows), Table("feature types", FEATURES, kinds), legend
@@ -90,6 +94,13 @@ def measures_of(document: rows.Interpretation) -> Measures:
     Raises SituationError where the posterior cannot be computed exactly.
     """
     return Measures(*measured(document), document["measures"].get("dv_over", "types"))
+
+
+def _words_row(words: Sequence[Distinctive]) -> tuple[str, str, str]:
+    """Hundreds of visual words in one row, with the ranges of their dv."""
+    columns = [f.over_types for f in words], [f.over_instances for f in words if f.over_instances is not None]
+    over, within = (f"{chance(min(c))} to {chance(max(c))}" if c else chance(None) for c in columns)
+    return f"{len(words)} visual word{'s' * (len(words) > 1)}", over, within
 
 
 def _cell(h: Measure, name: str) -> str:

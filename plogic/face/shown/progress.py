@@ -1,10 +1,16 @@
 """How far something long has come, on standard error: a line written over on a terminal, else a line now and then.
 
 * ``Progress()``: ``progress.at("cup: 20 of 120 views")``, and ``progress.end()`` where it is done
+* ``with Work(500.0, say) as work``: one bar over all of it, told by the clock; ``work.at("cup: 20 of 120 views")`` and
+  ``work.step(20.0)``
 """
 
+import shutil
 import sys
+from collections.abc import Callable
+from threading import Event, RLock, Thread
 from time import monotonic
+from typing import Self
 
 SELDOM = 10.0
 """Seconds between two lines where there is no terminal; what is done sooner tells nothing."""
@@ -21,7 +27,9 @@ class Progress:
     def at(self, text: str) -> None:
         """Tell it, on a terminal at once, else if the last line is long ago."""
         if self.terminal:
-            sys.stderr.write(f"\r{text}\033[K")
+            sys.stderr.write(
+                f"\r{text[: shutil.get_terminal_size().columns - 1]}\033[K"
+            )  # what wraps is not written over
             sys.stderr.flush()
         elif monotonic() - self._told >= SELDOM:
             self._told = monotonic()
@@ -33,3 +41,91 @@ class Progress:
         if self.terminal:
             sys.stderr.write("\r\033[K")
             sys.stderr.flush()
+
+
+TICK = 1.0
+"""Seconds between two looks at the clock."""
+
+
+class Work:
+    """Long work of ``total`` units, whatever a unit is: what it is at, how much is done, and how long it will take.
+
+    A thread tells it, so that no stage is silent however long it takes.
+    """
+
+    def __init__(self, total: float, say: Callable[[str], None]) -> None:
+        """The clock runs from now on; ``say`` takes lines that stay."""
+        self._total, self._say, self._done, self._text = total, say, 0.0, ""
+        self._progress, self._start = Progress(), monotonic()
+        self._stepped = self._start
+        self._lock, self._over = RLock(), Event()
+        self._teller = Thread(target=self._tell, daemon=True)
+
+    def __enter__(self) -> Self:
+        """Begin to tell."""
+        self._teller.start()
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        """Take the bar away."""
+        self._over.set()
+        self._teller.join()
+        self._progress.end()
+
+    def at(self, text: str) -> None:
+        """What is being done now."""
+        with self._lock:
+            self._text = text
+
+    def step(self, units: float) -> None:
+        """So many units more are done."""
+        with self._lock:
+            self._done = min(self._done + units, self._total)
+            self._stepped = monotonic()
+
+    def skip(self, units: float) -> None:
+        """So many need not be done, which says nothing about the speed."""
+        with self._lock:
+            self._total = max(self._total - units, self._done, 1.0)
+
+    def say(self, line: str) -> None:
+        """A line that stays, above the bar."""
+        with self._lock:
+            self._progress.end()
+            self._say(line)
+
+    def text(self, now: float) -> str:
+        """``cup: 20 of 120 views; 12 % of all, about 3 min left``."""
+        share = int(100.0 * self._done / self._total)
+        if not self._done:
+            return f"{self._text}; {share} % of all"
+        left = (self._stepped - self._start) / self._done * (self._total - self._done) - (now - self._stepped)
+        return f"{self._text}; {share} % of all, about {duration(max(left, 0.0))} left"
+
+    def _tell(self) -> None:
+        while not self._over.wait(TICK):
+            with self._lock:
+                text = self.text(monotonic())
+                self._progress.at(f"{bar(self._done, self._total)} {text}" if self._progress.terminal else text)
+
+
+WIDTH = 30
+"""Characters of a bar."""
+
+
+def bar(done: float, total: float) -> str:
+    """``[######........................]``."""
+    full = int(WIDTH * done // total)
+    return f"[{'#' * full}{'.' * (WIDTH - full)}]"
+
+
+def duration(seconds: float) -> str:
+    """In words, to the unit that matters: ``40 s``, ``12 min``, ``3 h 20 min``, ``2 d 5 h``."""
+    whole = round(seconds)
+    if whole < 100:
+        return f"{whole} s"
+    minutes = round(seconds / 60)
+    if minutes < 100:
+        return f"{minutes} min"
+    hours, rest = divmod(minutes, 60)
+    return f"{hours} h {rest} min" if hours < 48 else f"{hours // 24} d {hours % 24} h"

@@ -19,7 +19,16 @@ from dataclasses import dataclass
 from typing import Annotated, Final, Literal, NotRequired, TypedDict
 
 from geometry.camera_row import Pose
-from plogic.facts.document import HypothesisRow, Interpretation, KBRow, MomentRow, RejectedRow, Status, WorldRow
+from plogic.facts.document import (
+    CameraDoubtRow,
+    HypothesisRow,
+    Interpretation,
+    KBRow,
+    MomentRow,
+    RejectedRow,
+    Status,
+    WorldRow,
+)
 from plogic.facts.fact_rows import Interval
 from plogic.facts.situation import Stopped, stopped_in
 from plogic.run.batch.frames import Frame, Settings, SettingsRow, digest_of
@@ -61,6 +70,9 @@ class ShortBody(TypedDict):
     hypotheses: Annotated[list[ShortRow], "Those that are accepted or in a listed world."]
     worlds: Annotated[list[WorldRow], "The most probable worlds, best first."]
     unlisted_mass: Annotated[Interval, "Bounds of the probability of all worlds that are not listed."]
+    camera_doubt: NotRequired[
+        Annotated[CameraDoubtRow, "That the accepted objects contradict the camera; left out where they do not."]
+    ]
     stopped: NotRequired[
         Annotated[Stopped, "What a deadline stopped: the search for hypotheses, or the ranking of worlds."]
     ]
@@ -162,8 +174,16 @@ class Lines:
 
 
 def is_noted(line: bytes) -> bool:
-    """Whether a line has ``notes``; within a text the quotes would be escaped."""
-    return b'"notes":[' in line
+    """Whether a line has ``notes``, or a doubt of the camera; within a text the quotes would be escaped."""
+    return b'"notes":[' in line or b'"camera_doubt":{' in line
+
+
+def doubt_in(line: bytes) -> str:
+    """What a line says against the camera, '' where it says nothing."""
+    if b'"camera_doubt":{' not in line:
+        return ""
+    row = json.loads(line)
+    return str(row.get("interpretation", row)["camera_doubt"]["why"])
 
 
 def is_empty(line: bytes) -> bool:
@@ -191,6 +211,8 @@ def short(document: Interpretation, number: int) -> ShortBody:
         "worlds": [_short_world(world) for world in listed],
         "unlisted_mass": unlisted_beyond(document, number),
     }
+    if "camera_doubt" in document:
+        body["camera_doubt"] = document["camera_doubt"]
     return {**body, "stopped": stopped} if stopped else body
 
 

@@ -1,5 +1,6 @@
 """One frame after the other, in a process that has read the knowledge base once."""
 
+from collections.abc import Iterable
 from pathlib import Path
 from time import monotonic
 
@@ -20,7 +21,7 @@ from plogic.run.batch.frames import (
     scene_at,
     version_of,
 )
-from plogic.run.cameras import Shot, shot_of
+from plogic.run.cameras import NOTHING_GIVEN, GivenCamera, NoCameraError, Shot, shot_of
 from plogic.run.perceive import perceiver_of
 from plogic.run.sources import gamma_of, kb_of
 from plogic.run.video.video import shot_at
@@ -64,7 +65,7 @@ class Worker:
     def _document(self, frame: Frame, sha256: str | None) -> tuple[Interpretation, tuple[str, ...]]:
         """The interpretation, and what is to be noted of the camera."""
         clock, chosen = Stopwatch(), self.settings
-        shot = self._shot(frame)
+        shot = shot_for(frame, chosen.camera)
         gamma, image = gamma_of(frame.input, shot, self.perceiver.kb, clock)
         if self._digest(frame) != sha256:
             raise InputError(CHANGED)
@@ -72,20 +73,48 @@ class Worker:
         options = Options(chosen.reading, chosen.reconsider, chosen.smoothing, end)
         return self.perceiver(gamma, options, image, clock), shot.notes if shot else ()
 
-    def _shot(self, frame: Frame) -> Shot | None:
-        """The picture of a frame with its camera; None of a Γ."""
-        if frame.kind == "lost":
-            raise InputError(frame.at)
-        if frame.kind == "bop":
-            scene, image = scene_and_image(frame)
-            shot = scene_at(frame.at, scene).frame(image)
-            return Shot(shot.image, shot.camera)
-        checked(frame.input)
-        if frame.kind == "gamma":
-            return None
-        camera = camera_of(frame, self.settings.camera)
-        if (source := camera.source()) is not None:
-            checked(source)
-        if frame.kind == "video":
-            return shot_at(frame.input, version_of(Path(frame.input)), number_in_video(frame), camera)
-        return shot_of(frame.input, camera)
+
+def shot_for(frame: Frame, given: GivenCamera) -> Shot | None:
+    """The picture of a frame with its camera, where one is ``given`` for all that; None of a Γ. Raises PlogicError."""
+    if frame.kind == "lost":
+        raise InputError(frame.at)
+    if frame.kind == "bop":
+        scene, image = scene_and_image(frame)
+        shot = scene_at(frame.at, scene).frame(image)
+        return Shot(shot.image, shot.camera)
+    checked(frame.input)
+    if frame.kind == "gamma":
+        return None
+    camera = camera_of(frame, given)
+    if (source := camera.source()) is not None:
+        checked(source)
+    if frame.kind == "video":
+        return shot_at(frame.input, version_of(Path(frame.input)), number_in_video(frame), camera)
+    return shot_of(frame.input, camera)
+
+
+def check_cameras(frames: Iterable[Frame], given: GivenCamera) -> None:
+    """Raise NoCameraError, of the first picture, where nothing tells the camera of any: each line would say so.
+
+    Looks no further than the first frame that can be perceived, and at one frame of each video.
+    """
+    if given != NOTHING_GIVEN:
+        return
+    missing: NoCameraError | None = None
+    seen = set[str]()
+    for frame in frames:
+        if frame.kind in ("gamma", "bop"):
+            return
+        if frame.input in seen:
+            continue
+        seen.add(frame.input)
+        try:
+            shot_for(frame, given)
+        except NoCameraError as error:
+            missing = missing or error
+        except PlogicError:
+            continue  # which its line will say
+        else:
+            return
+    if missing is not None:
+        raise missing

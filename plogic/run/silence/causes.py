@@ -9,6 +9,7 @@ from collections import Counter
 from collections.abc import Iterator, Sequence
 
 from kb.clouds.cloud import KnowledgeBase, ObjectType
+from kb.clouds.words import is_word
 from kb.shown.cautions import of_type, unseen_told
 from kb.shown.seen_from import unseen_features
 from plogic.cycle.judging import FEWEST
@@ -85,11 +86,11 @@ def _seldom(kind: ObjectType, kb: KnowledgeBase) -> list[str]:
 def _of_data(gamma: Gamma, kinds: Sequence[ObjectType]) -> str:
     """Why the data cannot be of any of these types, '' where they may be."""
     here = Counter(a.type for a in gamma.appearances)
-    asked = sorted({name for kind in kinds for name in kind.lobes.types if not name.startswith("word")})
-    looks = ", ".join(asked[:6]) + (", ..." if len(asked) > 6 else "")
+    asked = sorted({name for kind in kinds for name in kind.lobes.types if not is_word(name)})
+    looks = ", ".join(asked[:6]) + (", ..." if len(asked) > 6 else "") or "visual words"
     names = listed(kinds)
     if not here:
-        return f"there are no appearances at all: nothing of the types that {names} looks like ({looks or 'visual words'}) was detected"
+        return f"there are no appearances at all: nothing of the types that {names} looks like ({looks}) was detected"
     most = max(kinds, key=lambda kind: looks_like(here, kind).total())
     number = looks_like(here, most).total()
     if not number:

@@ -33,7 +33,8 @@ if TYPE_CHECKING:
 class Seen(NamedTuple):
     """A frame's ``line``, with its end, and what it took ``seconds`` to find: the accepted objects, or an ``error``.
 
-    ``picture``: PNG of what was found, if any is wanted; ``notes``: what is doubtful of the camera.
+    ``picture``: PNG of what was found, if any is wanted; ``notes``: what is doubtful of the camera; ``doubt``: that the
+    objects contradict it.
     """
 
     status: str
@@ -41,6 +42,7 @@ class Seen(NamedTuple):
     known: tuple[str, ...] = ()
     error: str = ""
     notes: tuple[str, ...] = ()
+    doubt: str = ""
     picture: bytes | None = None
     seconds: float = 0.0
 
@@ -113,7 +115,9 @@ class Watcher:
             placed: Interpretation = {"format": document["format"], "moment": row, **document}
             status, line = UNFINISHED if document.get("unfinished") else DONE, text_of(placed).encode()
         picture = None if self._draw is None else self._draw(document, moment.pixels)
-        return Seen(status, line, accepted_in(document), notes=(*shot.notes, *moment.notes), picture=picture)
+        notes = (*shot.notes, *moment.notes)
+        doubt = document["camera_doubt"]["why"] if "camera_doubt" in document else ""
+        return Seen(status, line, accepted_in(document), notes=notes, doubt=doubt, picture=picture)
 
     def _shot(self, pixels: "NDArray[np.uint8]", name: str) -> Shot:
         """A frame with the camera, which is read once for all frames of a size."""

@@ -168,6 +168,30 @@ def test_other_formats(tmp_path, folder, suffix):
     assert box.surface.volume == pytest.approx(0.006, rel=1e-5)
 
 
+@pytest.mark.parametrize(
+    ("sides", "units", "doubt"),
+    [
+        ((190, 80, 60), "m", "the type is 190 m across; if the mesh is in millimetres: --units mm"),
+        ((21, 16, 7), "m", "the type is 21 m across; if the mesh is in centimetres: --units cm"),
+        ((0.2, 0.1, 0.1), "mm", "the type is 0.2 mm across; if the mesh is in metres: --units m"),
+        (
+            (0.002, 0.001, 0.001),
+            "m",
+            "the type is 2 mm across; in cm and mm it would be no likelier: was the mesh scaled?",
+        ),
+        ((0.2, 0.1, 0.1), "m", ""),
+        ((6, 5, 5), "mm", ""),
+        ((9, 3, 3), "m", ""),
+    ],
+)
+def test_an_unusual_size_is_doubted_in_one_line(tmp_path, folder, sides, units, doubt):
+    mesh = write_box(tmp_path / "b.obj", sides)
+    text = good("kb", "add", "b", "--mesh", mesh, "--units", units, "--kb", folder)
+    assert [line for line in text.splitlines() if line.startswith("note:")] == ([f"note: {doubt}"] if doubt else [])
+    again = document("kb", "add", "c", "--mesh", mesh, "--units", units, "--kb", folder, "--json")
+    assert again["types"][0]["notes"] == ([doubt] if doubt else [])
+
+
 def test_units_are_required_and_the_likely_one_proposed(tmp_path, folder):
     line = refused(folder, "box", "--mesh", write_box(tmp_path / "b.obj", (18.9, 25.8, 7.5)))
     assert "--units is missing, and no mesh format carries its unit" in line

@@ -62,8 +62,19 @@ def test_joints_that_move_are_said_to_be_frozen_in_the_first_line(tmp_path, fold
     assert first.startswith(
         "note: 1 joint that moves is frozen in the zero pose (j), and the type is found in that pose"
     )
-    (tmp_path / "still.urdf").write_text(URDF.replace("revolute", "fixed"))
+    still = URDF.replace("revolute", "fixed").replace("10 0 0", "1 0 0")
+    (tmp_path / "still.urdf").write_text(still)
     assert "note:" not in good("kb", "import", tmp_path / "still.urdf", "--kb", folder)
+
+
+def test_an_unusual_size_is_doubted_with_the_likely_unit(tmp_path, folder):
+    """A description is in metres; this one's mesh was drawn in millimetres."""
+    write_box(tmp_path / "box.obj", (190, 80, 60))
+    (tmp_path / "box.urdf").write_text(
+        '<robot name="r"><link name="l"><visual><geometry><mesh filename="box.obj"/></geometry></visual></link></robot>'
+    )
+    lines = good("kb", "import", tmp_path / "box.urdf", "--kb", folder).splitlines()
+    assert lines[0] == "note: the type is 190 m across; if the mesh is in millimetres: --units mm"
 
 
 def test_an_sdf_with_poses_and_scales(tmp_path, folder):
@@ -76,6 +87,27 @@ def test_an_sdf_with_poses_and_scales(tmp_path, folder):
     (thing,) = read_kb(folder).types
     assert thing.name == "thing"
     assert bounds(thing) == pytest.approx(np.array([[-1, 0, 5], [1, 1, 8]]))
+
+
+def test_every_mesh_that_is_not_there_is_told_and_nothing_is_written(tmp_path, folder):
+    """Two of three meshes are missing, and one is no mesh: each with its link, and none goes unsaid."""
+    write_box(tmp_path / "box.obj")
+    (tmp_path / "torn.obj").write_text("no mesh")
+    files = {"base": "box.obj", "arm": "package://robot/arm.obj", "hand": "meshes/hand.stl", "tool": "torn.obj"}
+    links = "".join(
+        f'<link name="{link}"><visual><geometry><mesh filename="{file}"/></geometry></visual></link>'
+        for link, file in files.items()
+    )
+    (tmp_path / "robot.urdf").write_text(f'<robot name="r">{links}</robot>')
+    before = bytes_in(folder)
+    done = plogic("kb", "import", tmp_path / "robot.urdf", "--kb", folder)
+    assert (done.returncode, done.stdout, bytes_in(folder)) == (1, "", before)
+    arm, hand, tool = done.stderr.splitlines()
+    start = f"plogic: {tmp_path / 'robot.urdf'}: link "
+    assert arm.startswith(f"{start}'arm': the mesh 'package://robot/arm.obj' is missing")
+    assert hand.startswith(f"{start}'hand': the mesh 'meshes/hand.stl' is missing")
+    assert tool.startswith(f"{start}'tool': {tmp_path / 'torn.obj'}: ")
+    assert all(line.endswith("or take the visual out") for line in (arm, hand, tool))
 
 
 BAD = {

@@ -136,9 +136,75 @@ def test_again_it_was_learned_before_and_nothing_changes(learned, surroundings):
     assert document["format"] == "kb_learn/1"
     assert document["types"][0]["type"] == "cube"
     assert bytes_in(folder) == before
-    assert refused(folder, **surroundings) == [
-        "plogic: every type has features already; name those that are to be learned again"
-    ]
+    done = plogic("kb", "learn", "--kb", folder, **surroundings)
+    assert (done.returncode, done.stderr, bytes_in(folder)) == (0, "", before)
+    assert done.stdout == (
+        "nothing to learn: every type that can be learned has features already; name those that are to be learned again\n"
+    )
+
+
+def test_what_has_no_print_is_left_out_and_the_others_are_learned(folder, surroundings, tmp_path):
+    """A mug without a texture, and a cube painted in one grey, beside one that has a print."""
+    write_cube(tmp_path)
+    box = write_box(tmp_path / "box.obj")
+    good("kb", "add", "cube", "--mesh", tmp_path / "cube.obj", "--units", "m", "--kb", folder)
+    cv2.imwrite(str(tmp_path / "cube.png"), np.full((8, 8, 3), 130, np.uint8))
+    good("kb", "add", "grey", "--mesh", tmp_path / "cube.obj", "--units", "m", "--kb", folder)
+    for name in ("mug", "cup"):
+        good("kb", "add", name, "--mesh", box, "--units", "m", "--kb", folder)
+    few = surroundings | {"TEST_DIRECTIONS": "2", "XDG_CACHE_HOME": str(tmp_path / "cache")}
+    done = plogic("kb", "learn", "--detector", "orb", "--jobs", 1, "--json", "--kb", folder, **few)
+    assert done.returncode == 0, done.stderr
+    document = json.loads(done.stdout)
+    assert [row["type"] for row in document["types"]] == ["cube"]
+    assert {row["type"] for row in document["left_out"]} == {"cup", "grey", "mug"}
+    told = [line for line in done.stderr.splitlines() if "left out" in line]
+    assert len(told) == 2
+    assert told[0].startswith("cup, mug: left out: its mesh has no texture")
+    assert "plogic kb learn NAME --photo FILE --points FILE" in told[0]
+    assert told[1].startswith("grey: left out: no keypoint of it comes again")
+    assert "by hand" in told[1]
+    assert {kind.name for kind in read_kb(folder).types if kind.learned is not None} == {"cube"}
+
+
+def test_learning_tells_how_far_it_came_without_a_terminal(folder, surroundings, tmp_path):
+    """Every ten seconds; here every hundredth of one, of two types."""
+    own = tmp_path / "own"
+    own.mkdir()
+    few = few_views(own) | {"TEST_DIRECTIONS": "3"}
+    often = "import plogic.face.shown.progress as progress\nprogress.SELDOM = progress.TICK = 0.01\n"
+    (own / "sitecustomize.py").write_text((own / "sitecustomize.py").read_text() + often)
+    for name in ("one", "two"):
+        write_cube(tmp_path)
+        if name == "two":
+            cv2.imwrite(str(tmp_path / "cube.png"), cv2.imread(str(tmp_path / "cube.png"))[::-1])
+        good("kb", "add", name, "--mesh", tmp_path / "cube.obj", "--units", "m", "--kb", folder)
+    done = plogic("kb", "learn", "--jobs", 1, "--kb", folder, **few)
+    assert done.returncode == 0, done.stderr
+    told = [line for line in done.stderr.splitlines() if " % of all" in line]
+    for start in ("one: 0 of 3 views; 0 % of all", "one: features; ", "two: 0 of 3 views; ", "2 types: words; "):
+        assert any(line.startswith(start) for line in told), start
+    shares = [int(line.partition("; ")[2].partition(" %")[0]) for line in told]
+    assert shares == sorted(shares)
+    assert all(line.endswith(" left") for line in told if "; 0 %" not in line)
+
+
+def test_where_something_was_there_already_nothing_new_is_no_failure(learned, surroundings, tmp_path):
+    copy = shutil.copytree(learned[0], tmp_path / "kb")
+    good("kb", "add", "mug", "--mesh", write_box(tmp_path / "box.obj"), "--units", "m", "--kb", copy)
+    before = bytes_in(copy)
+    done = plogic("kb", "learn", "--kb", copy, **surroundings)
+    assert (done.returncode, bytes_in(copy)) == (0, before)
+    assert done.stdout.startswith("nothing to learn: ")
+    (line,) = done.stderr.splitlines()
+    assert line.startswith("mug: left out: its mesh has no texture")
+    (line,) = refused(copy, "mug", **surroundings)
+    assert line.startswith("plogic: mug: its mesh has no texture"), "of what was asked, nothing was learned"
+
+
+def test_a_knowledge_base_without_types_says_how_to_add_one(folder):
+    (line,) = refused(folder)
+    assert line.startswith("plogic: there is no object type yet: plogic kb add NAME --mesh FILE")
 
 
 def test_a_cache_file_that_was_cut_off_is_learned_anew(learned, surroundings, tmp_path):

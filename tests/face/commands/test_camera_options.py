@@ -7,7 +7,7 @@ import json
 
 import cv2
 import pytest
-from console import good, plogic
+from console import bytes_in, good, plogic
 from exif_files import EQUIVALENT, FOCAL, HEIGHT, ORIENTATION, RESOLUTION, UNIT, WIDTH, exif, grey, jpeg
 from refusals import assert_lines, refused
 
@@ -150,6 +150,28 @@ def test_batch_takes_the_same_ways_and_resumes_by_them(folder):
     assert "was made by other options: fov 90.0" in again.stderr
 
 
+def test_batch_without_any_camera_fails_at_once_in_the_words_of_perceive_and_blocks_nothing(folder):
+    (folder / "camera.json").unlink()
+    (folder / "more").mkdir()
+    for number in range(3):
+        (folder / "more" / f"{number}.png").write_bytes((folder / "plain.png").read_bytes())
+    before = bytes_in(folder)
+    command = ("batch", "more", "--kb", "towers", "-o", "out.jsonl")
+    run = plogic(*command, cwd=folder)
+    alone = plogic("perceive", "more/0.png", "--kb", "towers", cwd=folder)
+    assert (run.returncode, run.stdout, run.stderr) == (alone.returncode, "", alone.stderr)
+    assert run.stderr.startswith("plogic: more/0.png: an image needs its camera: give --camera FILE")
+    assert bytes_in(folder) == before
+    good(*command, "--fov", "90", cwd=folder)
+    assert len((folder / "out.jsonl").read_text().splitlines()) == 3
+
+
+def test_batch_takes_a_camera_file_that_states_no_size(folder):
+    (folder / "K.yaml").write_text("camera_matrix: [60, 0, 32, 0, 60, 24, 0, 0, 1]\n")
+    good("batch", "plain.png", "--kb", "towers", "--camera", "K.yaml", "-o", "out.jsonl", cwd=folder)
+    assert json.loads((folder / "out.jsonl").read_text())["status"] == "done"
+
+
 def test_batch_guesses_by_exif_and_its_lines_say_so(folder):
     (folder / "camera.json").unlink()
     run = plogic("batch", "plain.png", "phone.jpg", "--kb", "towers", "-o", "out.jsonl", cwd=folder)
@@ -160,7 +182,10 @@ def test_batch_guesses_by_exif_and_its_lines_say_so(folder):
         "camera guessed from EXIF: 28 mm equivalent, focal 52 px; no lens distortion known",
         TURNED,
     ]
-    assert run.stderr.splitlines()[-1] == "out.jsonl: 2 frames, 1 bad, 1 with a guessed or doubtful camera (notes)"
+    assert (
+        run.stderr.splitlines()[-1]
+        == "out.jsonl: 2 frames, 1 bad, 1 with a guessed or doubtful camera (notes, camera_doubt)"
+    )
 
 
 @pytest.fixture

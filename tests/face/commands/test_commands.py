@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 import json
+import math
 import os
 import pty
+import re
 import subprocess
 
 import cv2
@@ -46,7 +48,25 @@ def test_perceive_of_the_image_is_the_demos_interpretation(perceived, demo):
     assert files["page.html"] == (demo / "page.html").read_bytes()
     assert files["picture.png"] == (demo / "picture.png").read_bytes()
     assert run.stdout == ""
-    assert len(run.stderr.splitlines()) == 1
+    assert len(run.stderr.splitlines()) == 1 + 2
+
+
+PLACED = re.compile(r"(h\d+) (\S+) \((\d\.\d{3})\) at \((\S+), (\S+), (\S+)\) m, (\S+) m away")
+
+
+def test_perceive_tells_where_each_object_stands_in_a_short_line(perceived):
+    """The pose of the document, to centimetres, in the camera's frame."""
+    run, folder = perceived
+    counted, *lines = run.stderr.splitlines()
+    assert "; 2 objects; " in counted
+    accepted = [h for h in json.loads((folder / "out.json").read_text())["hypotheses"] if h["status"] == "accepted"]
+    assert len(accepted) == len(lines) == 2
+    for line, h in zip(lines, accepted, strict=True):
+        name, kind, probability, *numbers = PLACED.fullmatch(line).groups()
+        origin = [row[3] for row in h["T_camera_object"][:3]]
+        assert (name, kind, probability) == (h["id"], h["type"], f"{h['probability']:.3f}")
+        assert [float(number) for number in numbers] == pytest.approx([*origin, math.hypot(*origin)], abs=0.005)
+        assert len(line) <= 72, line
 
 
 def test_timings_are_a_document_of_their_own(perceived):
@@ -70,7 +90,7 @@ def test_perceive_pipes_into_worlds(demo, gamma):
     script = f'"{BIN}/plogic" perceive - --kb towers < gamma.json | "{BIN}/plogic" worlds - --json'
     run = subprocess.run(["sh", "-c", script], cwd=demo, capture_output=True, text=True, check=True, timeout=120)
     assert json.loads(run.stdout) == document("worlds", demo / "interpretation.json", "--json")
-    assert len(run.stderr.splitlines()) == 1
+    assert len(run.stderr.splitlines()) == 1 + 2
 
 
 @pytest.mark.parametrize(

@@ -175,8 +175,9 @@ def test_there_are_fifteen_and_one():
 def test_what_is_found_is_told_first(tmp_path):
     """The same Γ with nothing spoiled: the box, and no cause of silence."""
     lines = told("perceive", gamma_file(tmp_path, sight()), "--kb", "first", "-o", tmp_path / "out.json")
-    assert len(lines) == 1
-    assert "h1 box" in lines[0]
+    assert len(lines) == 2
+    assert "; 1 object; " in lines[0]
+    assert lines[1].startswith("h1 box (")
 
 
 def test_clutter_alone_is_seldom_given_a_far_fetched_cause():

@@ -72,6 +72,8 @@ roi:
   do_rectify: false
 ---
 """
+LOST = "A message was lost!!!\n\ttotal count change:1\n\ttotal count: 1---\n"
+"""What ros2 topic echo prints where the network is slow."""
 K2 = ROS2[ROS2.index("k:") : ROS2.index("\nr:\n") + 1]
 NUMBERS = "[600.0, 0.0, 320.0, 0.0, 590.0, 240.0, 0.0, 0.0, 1.0]"
 
@@ -100,6 +102,12 @@ def read(folder, text):
         ROS2.replace(K2, f"k: \"array('d', {NUMBERS})\"\n"),
         ROS2.replace(K2, "k: array([600.,   0., 320.,   0., 590., 240.,\n    0., 0., 1.])\n"),
         ROS2.replace("\n", "\r\n"),
+        ROS2 + LOST,
+        ROS2 + LOST + later(ROS2),
+        ROS2.removesuffix("---\n") + LOST,
+        ROS2 + "[WARN] [1700000000.1] [ros2cli]: the topic has: no more publishers\n",
+        "WARNING: topic [/camera_info] does not appear to be published yet\n" + ROS2,
+        "[INFO] [launch]: started: now\n" + ROS1 + "---\n",
     ],
 )
 def test_a_printed_topic_is_a_camera(tmp_path, text):

@@ -73,15 +73,73 @@ def test_every_kind_of_file_gives_the_same_camera(tmp_path, content, frame):
     assert np.allclose(camera.project(points), LENS.project(points), atol=1e-9)
 
 
-def test_opencvs_own_writer_is_read(tmp_path):
+OPENCV_XML = """<?xml version="1.0"?>
+<opencv_storage>
+<calibration_time>"Thu 26 Nov 2026"</calibration_time>
+<image_width>640</image_width>
+<image_height>480</image_height>
+<camera_matrix type_id="opencv-matrix">
+  <rows>3</rows>
+  <cols>3</cols>
+  <dt>d</dt>
+  <data>
+    600. 0. 320. 0. 590. 240. 0. 0. 1.</data></camera_matrix>
+<distortion_coefficients type_id="opencv-matrix">
+  <rows>5</rows>
+  <cols>1</cols>
+  <dt>d</dt>
+  <data>
+    -2.5e-01 8.0e-02 1.0e-03 -2.0e-03 1.0e-02</data></distortion_coefficients>
+</opencv_storage>
+"""
+MATRIX = {"type_id": "opencv-matrix", "rows": 3, "cols": 3, "dt": "d", "data": [600, 0, 320, 0, 590, 240, 0, 0, 1]}
+LENS_ROW = {"type_id": "opencv-matrix", "rows": 1, "cols": 5, "dt": "d", "data": list(PLAIN["dist"])}
+OPENCV_JSON = {"image_width": 640, "image_height": 480, "camera_matrix": MATRIX, "distortion_coefficients": LENS_ROW}
+ROW = [600, 0, 320, 0, 590, 240, 0, 0, 1]
+
+
+@pytest.mark.parametrize(
+    "content",
+    [
+        OPENCV_XML,
+        "\ufeff" + OPENCV_XML,
+        OPENCV_XML.replace("camera_matrix", "Camera_Matrix").replace("distortion_coeff", "Distortion_Coeff"),
+        OPENCV_JSON,
+        {"width": 640, "height": 480, "K": ROW, "dist": PLAIN["dist"]},
+        {"camera": {"width": 640, "height": 480, "K": ROW, "dist": PLAIN["dist"]}},
+        {"width": 640, "height": 480, "k": ROW, "d": PLAIN["dist"], "distortion_model": "plumb_bob"},
+        {"width": 640, "height": 480, "K": ROW, "D": PLAIN["dist"]},
+        f"width: 640\nheight: 480\nK: {ROW}\ndist: {PLAIN['dist']}\n",
+        f"image_width: 640\nimage_height: 480\ncamera_matrix: {ROW}\ndist_coeffs: {PLAIN['dist']}\n",
+    ],
+)
+def test_what_opencv_and_ros_write_as_xml_and_json_and_nine_numbers_in_a_row(tmp_path, content):
+    assert camera_to_dict(read_camera(written(tmp_path, "camera", content))) == PLAIN
+
+
+@pytest.mark.parametrize("suffix", ["yml", "xml", "json"])
+def test_opencvs_own_writer_is_read_in_each_of_its_formats(tmp_path, suffix):
     cv2 = pytest.importorskip("cv2")
-    path = tmp_path / "camera.yml"
+    path = tmp_path / f"camera.{suffix}"
     store = cv2.FileStorage(str(path), cv2.FILE_STORAGE_WRITE)
     for name, value in (("image_width", 640), ("image_height", 480), ("camera_matrix", np.array(LENS.K))):
         store.write(name, value)
-    store.write("distortion_coefficients", np.array(LENS.dist)[None])
+    store.write("distortion_coefficients", np.array(LENS.dist)[:, None])
     store.release()
     assert camera_to_dict(read_camera(path)) == PLAIN
+
+
+def test_a_pose_beside_a_row_of_nine_is_kept_and_strange_keys_are_mistakes(tmp_path):
+    pose = [[1, 0, 0, 2], [0, 1, 0, 0], [0, 0, 1, 0], [0, 0, 0, 1]]
+    whole = {"width": 640, "height": 480, "K": ROW, "T_world_camera": pose}
+    assert read_camera(written(tmp_path, "camera", whole)).world_from_camera[0, 3] == 2
+    with pytest.raises(CameraError, match="fov"):
+        read_camera(written(tmp_path, "strange", whole | {"fov": 60}))
+
+
+def test_a_size_that_is_not_stated_is_the_pictures(tmp_path):
+    text = OPENCV_XML.replace("<image_width>640</image_width>", "")
+    assert read_camera(written(tmp_path, "camera", text), size=(640, 480)).width == 640
 
 
 def test_colmaps_principal_point_is_half_a_pixel_off_ours(tmp_path):
@@ -116,7 +174,7 @@ def test_bop_scenes_are_in_millimetres_and_take_their_size_from_the_dataset(tmp_
 @pytest.mark.parametrize(
     ("content", "message"),
     [
-        ("", "must be a camera in JSON, YAML or COLMAP's text"),
+        ("", "must be a camera in JSON, YAML, XML or COLMAP's text"),
         ("{", ":1:2: is no JSON"),
         ('{"width": 3,\n "K" 4}', ":2:6: is no JSON"),
         ('{"width": 1, "width": 2}', "'width' is given twice in one object"),
@@ -135,6 +193,19 @@ def test_bop_scenes_are_in_millimetres_and_take_their_size_from_the_dataset(tmp_
         (ROS.replace("image_width: 640", ""), "states no width and height"),
         (ROS.replace("600, 0, 320", "600, 0"), "must hold 9 numbers, not 8"),
         (ROS.replace("600, 0, 320", "six, 0, 320"), "camera.K"),
+        (OPENCV_XML.replace("</opencv_storage>", ""), ":19: is no XML"),
+        (
+            '<!DOCTYPE a [<!ENTITY b SYSTEM "file:///etc/passwd">]><opencv_storage><camera_matrix>&b;</camera_matrix></opencv_storage>',
+            "defines entities, which no calibration needs",
+        ),
+        ("<robot/>", "is no OpenCV FileStorage: its first element is <robot>, not <opencv_storage>"),
+        ("<opencv_storage>" + "<a>" * 100 + "</a>" * 100 + "</opencv_storage>", "nested deeper than 60 levels"),
+        ("<opencv_storage/>", "camera_matrix: is missing"),
+        (OPENCV_XML.replace("600. 0. 320.", "600. 0."), "camera_matrix: must hold 9 numbers, not 8"),
+        (OPENCV_XML.replace("600. 0. 320.", "six 0. 320."), "camera.K"),
+        (OPENCV_XML.replace("<image_width>640</image_width>", ""), "states no width and height"),
+        (OPENCV_JSON | {"camera_matrix": MATRIX | {"data": [1, 2]}}, "camera_matrix: must hold 9 numbers, not 2"),
+        ({"width": 640, "height": 480, "K": [1, 2, 3]}, "K: must be a 3x3 matrix"),
         ("1 FISHEYE 640 480 1 2 3 4", ":1: COLMAP's model must be one of"),
         ("# c\n1 PINHOLE 640 480 600 600 320", ":2: PINHOLE must be followed by"),
     ],

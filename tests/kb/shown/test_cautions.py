@@ -117,3 +117,27 @@ def test_a_mirrored_cloud_is_another(tmp_path):
     chiral = on_top() + feature("high", [0.3, 0.3, 1.4], [0, 0, 1])
     mirrored = chiral.replace("[0.3, 0.3, 1.4]", "[0.3, 0.3, 0.6]")
     assert said(read(tmp_path, mesh=False, one=chiral, two=mirrored)) == []
+
+
+def scaled(share):
+    """Five features of a cube of that side."""
+    places = [(0, 0, 0), (1, 1, 1), (0.9, 0.15, 1), (0.2, 0.9, 1), (0.7, 0.4, 1)]
+    return "".join(
+        feature(f"f{i}", [share * x for x in place], [0, 0, 1], "spot" if i else "dot", reach="[0.002, 3000]")
+        for i, place in enumerate(places)
+    )
+
+
+@pytest.mark.parametrize(
+    ("share", "hint"),
+    [
+        (0.001, "is the mesh in mm? write it so, as in mesh: {units: mm}"),
+        (0.01, "is the mesh in cm? write it so, as in mesh: {units: cm}"),
+        (100.0, "is a feature's at in cm? write it so, as in [15 cm, 0 m, 2 cm]"),
+        (1000.0, "is a feature's at in mm? write it so, as in [15 mm, 0 m, 2 mm]"),
+    ],
+)
+def test_a_hint_of_another_unit_shows_how_that_unit_is_written(tmp_path, share, hint):
+    """The mesh is a cube of 1 m."""
+    (line,) = [line for line in said(read(tmp_path, cube=scaled(share))) if "in different units" in line]
+    assert line.endswith(f"they are in different units: {hint}")

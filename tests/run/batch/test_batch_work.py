@@ -10,6 +10,7 @@ import pytest
 from small_frames import CAMERA, gamma, picture
 
 from plogic.base.errors import InputError
+from plogic.run.batch import work
 from plogic.run.batch.frames import Frame, Settings
 from plogic.run.batch.log import check_same, left_over, log_at
 from plogic.run.batch.work import Worker
@@ -61,13 +62,13 @@ def test_the_hash_is_that_of_the_bytes_themselves(worker, folder):
 
 @pytest.mark.parametrize("content", [json.dumps(gamma(2)), "torn"])
 def test_what_changes_while_it_is_read_is_a_bad_frame(worker, folder, monkeypatch, content):
-    shot = worker._shot
+    shot = work.shot_for
 
     def slow(*args):
         (folder / "g.json").write_text(content)
         return shot(*args)
 
-    monkeypatch.setattr(worker, "_shot", slow)
+    monkeypatch.setattr(work, "shot_for", slow)
     status, line = worker(Frame("g.json", None, "gamma"))
     row = json.loads(line)
     assert (status, row["error"], row["sha256"]) == ("error", "changed while it was read", None)

@@ -67,7 +67,9 @@ def test_a_video_without_a_camera_says_so(towers, tmp_path):
     (tmp_path / "clip.mkv").write_bytes((towers / "clip.mkv").read_bytes())
     done = plogic("batch", "clip.mkv", "--every", 3, "--kb", "towers", cwd=tmp_path)
     assert done.returncode == 1
-    assert "needs its camera" in json.loads(done.stdout)["error"]
+    assert done.stdout == ""
+    (line,) = done.stderr.splitlines()
+    assert line.startswith("plogic: clip.mkv clip_000000: an image needs its camera: give --camera FILE")
 
 
 def test_videos_in_a_folder_are_left_alone(towers):

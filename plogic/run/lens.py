@@ -9,7 +9,7 @@ from geometry.arrays import Floats
 from geometry.camera import Camera
 from geometry.frames import inverse, transform_points
 from geometry.poses.focal import focal_fit
-from plogic.facts.document import HypothesisRow, Interpretation
+from plogic.facts.document import CameraDoubtRow, HypothesisRow, Interpretation
 
 SURE = 4.0
 """Standard errors from which on it is told.
@@ -24,8 +24,8 @@ SIDE = 0.1
 """Pixels by which a match's residual may differ from its distance: of sides of edges it is what is off across them."""
 
 
-def focal_doubt(document: Interpretation, camera: Camera) -> str:
-    """What focal length the matched features of all accepted objects fit better; '' where they fit the camera's."""
+def focal_doubt(document: Interpretation, camera: Camera) -> CameraDoubtRow | None:
+    """What focal length the matched features of all accepted objects fit better; None where they fit the camera's."""
     told = [
         (*_matches(h, document), np.array(h["T_camera_object"]))
         for h in document["hypotheses"]
@@ -34,12 +34,13 @@ def focal_doubt(document: Interpretation, camera: Camera) -> str:
     fits = [focal_fit(places, data, camera, pose) for places, data, pose in told if len(places) >= FEWEST]
     step, error = _together([(fit.log, fit.noise * fit.error) for fit in fits])
     if abs(step) < max(APART, SURE * error):
-        return ""
+        return None
     fitting = camera.f * exp(step)
-    return (
+    why = (
         f"the accepted objects fit a focal length of {fitting:.0f} pixels (standard error {fitting * error:.0f}) better "
         f"than the camera's {camera.f:.0f}: is it this picture's camera, at this size? Poses are as wrong as it is"
     )
+    return {"focal": fitting, "standard_error": fitting * error, "stated": camera.f, "why": why}
 
 
 def _together(estimates: Sequence[tuple[float, float]]) -> tuple[float, float]:

@@ -1,0 +1,41 @@
+"""XML read safely: no entities, so that nothing is fetched and nothing grows, and no nesting that no document needs."""
+
+import re
+from xml.etree import ElementTree as ET
+
+MAX_DEPTH = 60
+"""Deepest nesting."""
+_DECLARATION = re.compile(r"\A\s*<\?xml[^>]*\?>")
+
+
+class XMLMistakeError(ValueError):
+    """What is wrong with a text, and the ``line`` from 1, where it has one."""
+
+    def __init__(self, message: str, line: int | None = None) -> None:
+        super().__init__(message)
+        self.line = line
+
+
+def root_of(text: str, kind: str) -> ET.Element:
+    """The root element of a document of a ``kind``, for errors; what its declaration says is not asked.
+
+    Raises:
+        XMLMistakeError: no XML, nested too deeply, or one that defines entities.
+    """
+    if "<!DOCTYPE" in text or "<!ENTITY" in text:
+        raise XMLMistakeError(f"defines entities, which no {kind} needs")
+    try:
+        root = ET.fromstring(_DECLARATION.sub(_lines_of, text))  # noqa: S314 - no entities: see above
+    except ET.ParseError as error:
+        raise XMLMistakeError(f"is no XML: {error}", error.position[0]) from None
+    level, depth = [root], 0
+    while level:
+        level, depth = [child for element in level for child in element], depth + 1
+        if depth > MAX_DEPTH:
+            raise XMLMistakeError(f"its elements are nested deeper than {MAX_DEPTH} levels, which no {kind} needs")
+    return root
+
+
+def _lines_of(found: re.Match[str]) -> str:
+    """The ends of lines alone, so that lines keep their numbers."""
+    return "\n" * found[0].count("\n")
