@@ -68,7 +68,7 @@ def look_of(kb: KnowledgeBase) -> Look:
     perceiver = perceiver_of(kb)
 
     def look(image: Any, camera: Any) -> list[tuple[str, Any, float]]:  # noqa: ANN401 - arrays
-        accepted = perceiver.accepted(detect(image, camera, kb.sought, kb.words))
+        accepted = perceiver.accepted(detect(image, camera, kb.sought, kb.words), image)
         return [(h.object_type.name, h.camera_from_object, probability) for h, probability in accepted]
 
     return look

@@ -244,7 +244,9 @@ def evidence(posed: Hypothesis, data: Data, kb: KnowledgeBase, hidden: Mask | No
         return Evidence(ratio, ratio - float(np.sort(gain)[-FIXED_BY:].sum()))
     if posed.hit is not None:
         ratio += CLEAR * float(np.sum([np.log(clarity(posed, hidden, kind)) for kind in kinds(posed)]))
-    return Evidence(ratio, ratio + _owed(posed, found, data, kb))
+    owed = _owed(posed, found, data, kb)
+    told = _by_pixels(posed, ratio + owed)
+    return Evidence(ratio + told, ratio + owed + told)
 
 
 def as_fitted(posed: Hypothesis, data: Data, kb: KnowledgeBase, hidden: Mask | None = None) -> tuple[Floats, Floats]:
@@ -265,6 +267,15 @@ def as_fitted(posed: Hypothesis, data: Data, kb: KnowledgeBase, hidden: Mask | N
         kept = max(LEAST, 1.0 + _owed(posed, found, data, kb) / max(float(better.sum()), LEAST))
         near[found] = np.expm1(kept * better) * missed / h
     return hit, near
+
+
+def _by_pixels(posed: Hypothesis, surplus: float) -> float:
+    """What pixels add to a ``surplus`` of evidence: where they were looked at they tell what else is missed.
+
+    Features that are expected and not found cost no more than those that are found bring: print that is there and was
+    not detected is seen in the pixels, and print that is not there as well.
+    """
+    return 0.0 if posed.pixels is None else posed.pixels + max(0.0, -surplus)
 
 
 def _owed(posed: Hypothesis, found: Mask, data: Data, kb: KnowledgeBase) -> float:

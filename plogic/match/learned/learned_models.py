@@ -10,7 +10,7 @@ from collections.abc import Callable, Generator, Iterable, Mapping, Sequence
 from contextlib import closing
 from dataclasses import dataclass, field, fields
 from functools import cached_property
-from typing import Any, ClassVar, Self
+from typing import TYPE_CHECKING, Any, ClassVar, Self
 
 import numpy as np
 from numpy.typing import NDArray
@@ -31,6 +31,9 @@ from plogic.match.learned.keypoints import Lexicon, lexicon_of
 from plogic.match.learned.learned_match import ROBUST, matched, pose_of, precision
 from plogic.match.learned.learned_poses import NOBODY, REFINED, Voted, generate, resting, voted
 from plogic.measures.distinctiveness import Kinds, kinds_of, rank_of_kinds
+
+if TYPE_CHECKING:
+    from sensing.pixels.drawn import Paint
 
 
 @dataclass(frozen=True, eq=False)
@@ -129,6 +132,16 @@ class LearnedIndex:
         surface = self.object_type.surface
         return float(surface.diameter if surface is not None else np.linalg.norm(np.ptp(self.points, axis=0)))
 
+    @cached_property
+    def paint(self) -> "Paint | None":
+        """Its mesh as it is painted; None where its file has no texture."""
+        from sensing.pixels.drawn import Paint
+        from sensing.simulated.body import read_mesh
+
+        kind = self.object_type
+        mesh = None if kind.mesh_file is None else read_mesh(kind.mesh_file, kind.mesh_scale)
+        return None if mesh is None or mesh.texture is None else Paint(mesh)
+
     def ranks(self, here: Counter[str], by_chance: Counter[str]) -> Ranks:
         """The ranks by counting words; a learned type has no neighbourhoods."""
         of_here, of_chance = (rank_of_kinds(self.weights, self.kinds, some) for some in (here, by_chance))
@@ -147,7 +160,13 @@ class LearnedIndex:
         hidden: Mask | None = None,
         rounds: int = 2,
     ) -> Hypothesis:
-        """The type at a pose, or one that is matched there already: matched (D7, D8), refined, and matched again."""
+        """The type at a pose, or one that is matched there already: matched (D7, D8), refined, and matched again.
+
+        A pose that fits the pixels stays as it is.
+        """
+        if isinstance(pose, Hypothesis) and pose.pixels is not None and rounds:
+            there = self.settle(pose.camera_from_object, data, kb, free, hidden, rounds=0)
+            return there.told(pixels=pose.pixels)
         return settled(
             pose,
             lambda pose: matched(self, pose_of(self, pose, data, kb), data, kb, free, hidden),
