@@ -249,6 +249,8 @@ def resting(
         return []
     some = _best(index, poses, _votes(index, poses, pairs, data, VOTE_RESTING), MOST_RESTING)
     best, worth = refined(index, some, pairs, data, data.camera.f / kb.f_ref, rounds=ROUNDS_RESTING, moves=plane.moves)
+    if data.photo is not None and len(best) and index.paint is not None:
+        return by_pixels(index, data.photo, best, worth, data, kb)
     return settled_best(index, best[worth >= WORTHLESS], data, kb, VERIFIED_RESTING)
 
 
