@@ -12,6 +12,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from geometry.arrays import Floats, Ints
+from geometry.frames import inverse
+from geometry.visibility.rays import RayMesh
 from sensing.pixels.drawn import Drawn, Paint
 from sensing.pixels.photo import DULLED, Photo, lab_of
 
@@ -63,11 +65,12 @@ MARGIN = 0.18, 8.0
 
 
 def crop_of(
-    photo: Photo, paint: Paint, pose: Floats, size: float, before: Sequence[tuple[Paint, Floats]] = ()
+    photo: Photo, paint: Paint, pose: Floats, size: float, before: Sequence[tuple[RayMesh, Floats]] = ()
 ) -> Crop | None:
     """The part about a pose, made smaller until the object's larger side is ``size`` px at most.
 
-    ``before``: what stands there for sure, and its poses. None where nothing of the object is in the photo.
+    ``before``: the surfaces of what stands there for sure, and its poses. None where the photo has nothing of the
+    object.
     """
     K, (height, width) = photo.camera.K, photo.image.shape[:2]
     box = paint.box(pose, K)
@@ -90,8 +93,16 @@ def crop_of(
         part = cv2.resize(part, (int(small[0]), int(small[1])), interpolation=cv2.INTER_AREA)
     far = np.full(part.shape[:2], np.inf)
     for other, there in before:
-        far = np.minimum(far, other.drawn(there, here, (part.shape[1], part.shape[0])).depth)
+        far = np.minimum(far, depth_of(other, there, here, (part.shape[1], part.shape[0])))
     return Crop(lab_of(part), here, whole * share, far, photo.noise, photo.palette)
+
+
+def depth_of(mesh: RayMesh, pose: Floats, K: Floats, size: tuple[int, int]) -> Floats:
+    """(h, w) m along the optical axis of a surface at a pose (4, 4), ``size`` wide and high; inf where it is not."""
+    u, v = np.meshgrid(np.arange(size[0]), np.arange(size[1]))
+    rays = np.stack([(u - K[0, 2]) / K[0, 0], (v - K[1, 2]) / K[1, 1], np.ones(u.shape)], axis=-1).reshape(-1, 3)
+    far = mesh.first_hit(inverse(pose)[:3, 3][None], rays @ pose[:3, :3])
+    return np.asarray((far / np.linalg.norm(rays, axis=1)).reshape(u.shape))
 
 
 def _ideal(photo: Photo, low: NDArray[np.intp], high: NDArray[np.intp]) -> NDArray[np.float32]:

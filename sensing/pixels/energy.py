@@ -57,8 +57,8 @@ class Fit(NamedTuple):
     @property
     def odds(self) -> float:
         """Logarithm of how much likelier such a fit is of an object that is there than of none."""
-        told = (self.edges, self.region, self.print_, self.correlation)
-        odds = float(ODDS[0] + np.dot(ODDS[1:], told))
+        told = ODDS[0] + ODDS[1] * self.edges + ODDS[2] * self.region + ODDS[4] * self.correlation
+        odds = self.visible * told + ODDS[3] * self.print_
         return max(SUREST[0], min(odds, SUREST[1]) + BEYOND * max(0.0, odds - SUREST[1]))
 
 

@@ -12,6 +12,7 @@ import numpy as np
 
 from geometry.arrays import Floats
 from geometry.frames import transform_points, turn_about
+from geometry.visibility.rays import RayMesh
 from sensing.pixels.blocks import ALIKE, Blocks, smoothed
 from sensing.pixels.crop import Crop, crop_of
 from sensing.pixels.drawn import Drawn, Paint
@@ -55,11 +56,11 @@ refined to the end."""
 
 
 def refined(
-    photo: Photo, paint: Paint, pose: Floats, before: Sequence[tuple[Paint, Floats]] = ()
+    photo: Photo, paint: Paint, pose: Floats, before: Sequence[tuple[RayMesh, Floats]] = ()
 ) -> tuple[Floats, Fit] | None:
     """The best-fitting pose (4, 4) from a start and from starts beside it, and its fit; None where it is not in sight.
 
-    ``before``: what stands there for sure, and its poses.
+    ``before``: the surfaces of what stands there for sure, and its poses.
     """
     small, large = (crop_of(photo, paint, pose, size, before) for size in (COARSE, FINE))
     if small is None or large is None:

@@ -29,6 +29,7 @@ from plogic.match.judged.type_models import SURE, Found, Given, Ranks, Request, 
 from plogic.match.learned.agreement import Lobes, lobes_of
 from plogic.match.learned.keypoints import Lexicon, lexicon_of
 from plogic.match.learned.learned_match import ROBUST, matched, pose_of, precision
+from plogic.match.learned.learned_pixels import hiding, looked_beside
 from plogic.match.learned.learned_poses import NOBODY, REFINED, Voted, generate, resting, voted
 from plogic.measures.distinctiveness import Kinds, kinds_of, rank_of_kinds
 
@@ -175,6 +176,10 @@ class LearnedIndex:
             lambda posed: evidence(posed, data, kb, hidden).ratio,
         )
 
+    def beside(self, posed: Hypothesis, others: Sequence[Hypothesis], data: Data) -> Hypothesis:
+        """A hypothesis told anew what its pixels say, where these others may hide it."""
+        return looked_beside(self, posed, others, data)
+
     def significance(self, posed: Hypothesis) -> float:  # noqa: ARG002 - of other kinds it depends on the hypothesis
         """All poses of a learned type are counted in its evidence."""
         return SURE
@@ -250,9 +255,11 @@ class LearnedModels(TypeModels):
 
     def resting(self, plane: Plane, left: Data, given: Given, request: Request) -> Generator[Found]:
         """The hypotheses of each type that stand on a plane."""
-        taken = bodies(self.models, given.accepted)
+        taken, before = bodies(self.models, given.accepted), hiding(given.accepted)
         asked = [index for name, index in sorted(self.models.items()) if not given.count(name)]
-        return searched(lambda index: resting(index, plane, left, request.kb, taken), asked, left, request.processes)
+        return searched(
+            lambda index: resting(index, plane, left, request.kb, taken, before), asked, left, request.processes
+        )
 
     def make_ready(self) -> None:
         """Compute all that the types compute when they are first asked for it."""
@@ -296,14 +303,20 @@ class LearnedSearch(Search):
 
     def propose(self, names: Sequence[str], left: Data, given: Given) -> Generator[Found]:
         """The hypotheses of each type."""
-        taken = bodies(self.models, given.accepted)
+        taken, before = bodies(self.models, given.accepted), hiding(given.accepted)
         whole = len(left.ids) == len(self.request.data.ids)
 
         def search(index: LearnedIndex) -> Found:
             name = index.object_type.name
             most = AGAIN if name in self._searched else REFINED
             return generate(
-                index, left, self.request.kb, taken, refined=most, of=self._voted.get(name) if whole else None
+                index,
+                left,
+                self.request.kb,
+                taken,
+                before=before,
+                refined=most,
+                of=self._voted.get(name) if whole else None,
             )
 
         indices = [self.models[name] for name in names]

@@ -15,19 +15,21 @@ import numpy as np
 
 from plogic.match.judged.evidence import evidence
 from plogic.match.judged.expectation import FEWEST
-from plogic.match.judged.rivals import apart, distinct, distinct_poses, same_place
+from plogic.match.judged.rivals import apart, distinct, distinct_poses
 from plogic.match.learned.agreement import agreement, votes
 from plogic.match.learned.keypoints import SEEDS, Pairs, depths, pairs_of, plausible, sights, single_poses, turns
+from plogic.match.learned.learned_pixels import Before, by_pixels
 from plogic.match.learned.learned_refinement import ROUNDS, Round, held_at, refined
 
 if TYPE_CHECKING:
+    from collections.abc import Sequence
+
     from geometry.arrays import Floats, Mask
     from geometry.bodies.resting import Plane
     from kb.clouds.cloud import KnowledgeBase
     from plogic.facts.hypothesis import Hypothesis
     from plogic.match.gamma.data import Data
     from plogic.match.learned.learned_models import LearnedIndex
-    from sensing.pixels.photo import Photo
 
 
 VOTE = (0.12, 3.0)
@@ -69,13 +71,15 @@ def generate(
     kb: KnowledgeBase,
     taken: Floats = NOBODY,
     *,
+    before: Sequence[Before] = (),
     refined: int = REFINED,
     verified: int = VERIFIED,
     of: Voted | None = None,
 ) -> list[tuple[float, Hypothesis]]:
     """The settled poses with their log-likelihood ratios, best first.
 
-    ``refined``, ``verified``: how many poses go that far; ``of``: what the data vote for, where that is known.
+    ``refined``, ``verified``: how many poses go that far; ``of``: what the data vote for, where that is known;
+    ``before``: what hides pixels, where it is nearer.
 
     ``taken`` (N, 4): middles, camera frame, and inner radii of bodies that are there already, m: poses that overlap
     them (A4) are not looked at.
@@ -84,7 +88,7 @@ def generate(
     poses, worth = proposed(index, data, kb, refined, verified, taken, thin=thin, of=of)
     if data.photo is not None and len(poses) and index.paint is not None:
         clear = clear_of(taken, index, poses)
-        return by_pixels(index, data.photo, poses[clear], worth[clear], data, kb)
+        return by_pixels(index, poses[clear], worth[clear], data, kb, before)
     poses = poses[worth >= WORTHLESS] if thin else poses
     return settled_best(index, poses[clear_of(taken, index, poses)], data, kb, verified)
 
@@ -104,43 +108,6 @@ def settled_best(
     settled = [index.settle(posed, data, kb, rounds=2) for posed in hopeful]
     scored = [(evidence(posed, data, kb).ratio, posed) for posed in settled if _enough(posed)]
     return distinct(scored, index.object_type)
-
-
-SCREENED, FITTED = 6, 2
-"""Poses of a type whose pixels are looked at, and those that are moved to where the pixels fit best."""
-PROMISING = 4.0
-"""Fit, in ``sensing.pixels.energy``, that few poses of absent types have (``python benchmarks/pixel_odds.py``): one
-that has it is refined whatever its keypoints say."""
-WORTHY = 25.0
-"""Worth of a pose that is refined whatever its pixels say."""
-
-
-def by_pixels(
-    index: LearnedIndex, photo: Photo, best: Floats, worth: Floats, data: Data, kb: KnowledgeBase
-) -> list[tuple[float, Hypothesis]]:
-    """Of refined poses (N, 4, 4), best first, those that the pixels speak for, moved to where these fit best."""
-    from sensing.pixels.crop import crop_of
-    from sensing.pixels.energy import fit_of
-    from sensing.pixels.refine import COARSE, refined
-
-    paint = index.paint
-    assert paint is not None  # noqa: S101 - the caller looked
-    screened: list[tuple[float, Floats, float]] = []
-    for pose, value in zip(best, worth, strict=True):
-        if len(screened) == SCREENED:
-            break
-        if not any(same_place(index.object_type, pose, old) for _, old, _ in screened):
-            crop = crop_of(photo, paint, pose, COARSE)
-            screened.append((fit_of(crop, paint, pose).score if crop is not None else -np.inf, pose, value))
-    hopeful = [row for row in screened if row[0] >= PROMISING or row[2] >= WORTHY]
-    found = []
-    for _, pose, _ in sorted(hopeful, key=lambda row: -row[0])[:FITTED]:
-        at = refined(photo, paint, index.settle(pose, data, kb, rounds=2).camera_from_object)
-        if at is not None:
-            moved = index.settle(at[0], data, kb, rounds=0).told(pixels=at[1].odds)
-            if _enough(moved):
-                found.append((evidence(moved, data, kb).ratio, moved))
-    return distinct(found, index.object_type)
 
 
 def proposed(
@@ -236,7 +203,7 @@ ROUNDS_RESTING = (
 
 
 def resting(
-    index: LearnedIndex, plane: Plane, data: Data, kb: KnowledgeBase, taken: Floats
+    index: LearnedIndex, plane: Plane, data: Data, kb: KnowledgeBase, taken: Floats, before: Sequence[Before] = ()
 ) -> list[tuple[float, Hypothesis]]:
     """Γ's poses on the plane, settled and then free to leave it, with log-likelihood ratios, best first.
 
@@ -250,7 +217,7 @@ def resting(
     some = _best(index, poses, _votes(index, poses, pairs, data, VOTE_RESTING), MOST_RESTING)
     best, worth = refined(index, some, pairs, data, data.camera.f / kb.f_ref, rounds=ROUNDS_RESTING, moves=plane.moves)
     if data.photo is not None and len(best) and index.paint is not None:
-        return by_pixels(index, data.photo, best, worth, data, kb)
+        return by_pixels(index, best, worth, data, kb, before)
     return settled_best(index, best[worth >= WORTHLESS], data, kb, VERIFIED_RESTING)
 
 

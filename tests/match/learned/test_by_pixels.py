@@ -69,6 +69,19 @@ def test_a_photo_of_something_else_costs_what_only_keypoints_see(perceiver):
     assert found == [] or max(h.pixels for h in found) < 0.0
 
 
+def test_a_pixel_counts_once_for_what_stands_in_front(perceiver):
+    """A hypothesis behind the cube, of the same outline and print, is told with the cube masked: nothing is left."""
+    image = picture([TRUE], seed=3)
+    data, [found] = accepted(perceiver, gamma_of(perceiver, image), image)
+    index = perceiver.models["cube"]
+    farther = TRUE.copy()
+    farther[:3, 3] *= 1.3
+    behind = index.settle(farther, data, perceiver.kb, rounds=0).told(pixels=30.0)
+    assert index.beside(behind, [], data).pixels == 30.0
+    assert abs(index.beside(behind, [found], data).pixels) < 3.0
+    assert index.beside(found, [behind], data).pixels == pytest.approx(found.pixels, abs=3.0)
+
+
 def test_the_same_photo_gives_the_same_bytes(perceiver):
     image = picture([TRUE], seed=3)
     gamma = gamma_of(perceiver, image)

@@ -10,6 +10,7 @@ from scipy.spatial.transform import Rotation
 
 from geometry.camera import Camera
 from geometry.frames import inverse, transform_points
+from kb.surfaces.surface import Surface
 from sensing.pixels.crop import crop_of
 from sensing.pixels.drawn import Paint
 from sensing.pixels.energy import NO_FIT, choice, fit_of
@@ -97,7 +98,10 @@ def test_what_is_before_it_tells_nothing_against_it(paint):
     """Half of the cube is behind another one: with that known, the pose fits, and more so than without."""
     near = pose_towards(CORNER, 0.45, 0.3, (0.10, 0.0))
     photo = Photo(picture([TRUE, near], seed=4), CAMERA)
-    told, untold = (fit_of(crop_of(photo, paint, TRUE, FINE, before), paint, TRUE) for before in ([(paint, near)], []))
+    surface = Surface(paint.mesh.vertices, paint.mesh.triangles)
+    told, untold = (
+        fit_of(crop_of(photo, paint, TRUE, FINE, before), paint, TRUE) for before in ([(surface.rays, near)], [])
+    )
     assert told.visible < 0.8 < untold.visible
     assert told.edges > untold.edges
     assert told.correlation > untold.correlation
@@ -169,8 +173,6 @@ def test_drawn_depth_is_that_of_rays_and_outside_there_is_none(paint):
     some = np.random.default_rng(1).choice(len(u), 200, replace=False)
     rays = CAMERA.rays(np.column_stack([u, v])[some])
     object_from_camera = inverse(TRUE)
-    from kb.surfaces.surface import Surface
-
     surface = Surface(paint.mesh.vertices, paint.mesh.triangles)
     far = surface.rays.first_hit(object_from_camera[:3, 3][None], rays @ object_from_camera[:3, :3].T)
     assert drawn.depth[v, u][some] == pytest.approx(far * rays[:, 2], rel=1e-6)
