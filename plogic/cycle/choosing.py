@@ -116,7 +116,7 @@ def separated(task: Task, start: Stable, through: Collection[tuple[int, int]] = 
             others = [other for other in some if other is not hypothesis]
             hidden, left = hidden_among(hypothesis, others), free(task, others)
             moved = task.models[hypothesis.type].settle(pose, task.data, task.kb, free=left, hidden=hidden, rounds=0)
-            some[k] = moved.told(**hypothesis.verdict())
+            some[k] = moved.told(**hypothesis.verdict(), pixels=hypothesis.pixels)
             steps.append(Step("move", "a little, so that it does not reach into what it touches (A4)", hypothesis.type))
     return Stable(start.of, tuple(some), tuple(rejected), tuple(steps))
 
@@ -135,7 +135,7 @@ def reconsidered(task: Task, start: Stable) -> Stable:
             why = f"ev {rounded(new.ev)} alone, {rounded(new.ev_reconsidered)} beside the others"
             steps.append(step_of("reconsider", why, new))
         some = again
-        bad = [h for h in some if h.ev_reconsidered is None or h.ev_reconsidered <= 0.0 or h.worth <= 0.0]
+        bad = [h for h in some if _fails(task, h)]
         if not bad:
             return Stable(start.of, tuple(some), tuple(rejected), tuple(steps))
         worst = min(bad, key=lambda h: (h.ev_reconsidered is not None, h.ev_reconsidered or -1.0))
@@ -143,6 +143,18 @@ def reconsidered(task: Task, start: Stable) -> Stable:
         why = "ev or evidence is not above 0 beside the others"
         rejected.append(worst.told(status="rejected", why=why))
         steps.append(Step("release", f"{why}; its data are released", worst.type))
+
+
+def _fails(task: Task, hypothesis: Hypothesis) -> bool:
+    """Whether an accepted hypothesis, judged beside the others, does not hold.
+
+    One whose pixels were looked at rests on them, and others may have them now: it is asked for all that it was
+    accepted for.
+    """
+    if hypothesis.ev_reconsidered is None or hypothesis.ev_reconsidered <= 0.0 or hypothesis.worth <= 0.0:
+        return True
+    demanded = task.models[hypothesis.type].significance(hypothesis)
+    return hypothesis.pixels is not None and hypothesis.surplus <= demanded
 
 
 def _again(task: Task, hypothesis: Hypothesis, others: Sequence[Hypothesis]) -> Hypothesis:

@@ -51,7 +51,9 @@ def judge(
     if rounds or anew:
         left = free(task, beside) if left is None else left
         start = proposed if rounds else proposed.camera_from_object
+        pixels = proposed.pixels
         proposed = task.models[proposed.type].settle(start, task.data, task.kb, free=left, hidden=hidden, rounds=rounds)
+        proposed = task.models[proposed.type].beside(proposed.told(pixels=pixels), beside, task.data)
     return judged_alone(proposed, task.data, task.kb, task.dv, hidden_among(proposed, beside) if rounds else hidden)
 
 
@@ -240,4 +242,5 @@ def _beside(task: Task, hypothesis: Hypothesis, pose: Floats, others: Sequence[H
     posed = task.models[hypothesis.type].settle(
         pose, task.data, task.kb, free=free(task, others), hidden=hidden, rounds=rounds
     )
+    posed = task.models[posed.type].beside(posed.told(pixels=hypothesis.pixels), others, task.data)
     return judged_alone(posed, task.data, task.kb, task.dv, hidden_among(posed, others))

@@ -136,6 +136,9 @@ class Hypothesis:
     * ``axes`` (F, 3): where angles of data count, the x axes of the features' frames, camera frame, unit: what an angle
       is of.
 
+    ``pixels``: how well the photo fits, at the pose that was moved to where it fits best (``sensing.pixels``), the
+    logarithm of a likelihood, about; None where there is no photo, or no paint.
+
     ``worth`` is the log-likelihood ratio against clutter, ``surplus`` what is left of it besides what any pose has.
     ``ev`` is that of the hypothesis alone, ``ev_reconsidered`` that beside Δi; None where it is 0/0 or was not asked.
     ``hidden`` (F,): what accepted opaque objects hide of it, where it was judged beside any.
@@ -174,6 +177,7 @@ class Hypothesis:
     sided: NDArray[np.bool_] | None = field(default=None, repr=False)
     across: NDArray[np.float64] | None = field(default=None, repr=False)
     axes: NDArray[np.float64] | None = field(default=None, repr=False)
+    pixels: float | None = field(default=None, repr=False)
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "camera_from_object", np.asarray(self.camera_from_object, np.float64))

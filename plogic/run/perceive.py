@@ -28,6 +28,7 @@ from plogic.run.lens import focal_doubt
 from plogic.scene.readings.unfinished import marked
 from plogic.scene.worlds.ranked_worlds import Ranking, ranked_worlds
 from sensing.appearance import Gamma
+from sensing.pixels.photo import Photo
 from sensing.uncollected import uncollected
 
 SMOOTHED = 0.001
@@ -69,12 +70,12 @@ class Perceiver:
         image: NDArray[np.uint8] | None = None,
         clock: Stopwatch | None = None,
     ) -> Interpretation:
-        """The interpretation document of one Γ; ``image`` (H, W, 3) is only carried along.
+        """The interpretation document of one Γ; ``image`` (H, W, 3), if it is known, tells how poses fit its pixels.
 
         An empty Γ gives the empty world.
         """
         options, clock = options or Options(), clock or Stopwatch()
-        return self.document(gamma, *self.cycle(gamma, options, clock), options, image, clock)
+        return self.document(gamma, *self.cycle(gamma, options, clock, image=image), options, image, clock)
 
     def document(
         self,
@@ -108,12 +109,12 @@ class Perceiver:
             document = {**document, "camera_doubt": doubt}
         return marked(document, ranking, stopped) if stopped else document
 
-    def accepted(self, gamma: Gamma) -> list[tuple[Hypothesis, float]]:
+    def accepted(self, gamma: Gamma, image: NDArray[np.uint8] | None = None) -> list[tuple[Hypothesis, float]]:
         """What is accepted of one Γ, with its probability.
 
         What the interpretation document says of it, where nobody reads the rest.
         """
-        data, cycle = self.cycle(gamma, Options(), Stopwatch())
+        data, cycle = self.cycle(gamma, Options(), Stopwatch(), image=image)
         delta = delta_of(cycle, data, self.kb, self.dv, Options(), related=False)
         delta, ranking = ranked(delta, cycle.trace.document())
         return [
@@ -141,13 +142,15 @@ class Perceiver:
         clock: Stopwatch,
         seeds: Sequence[Seed] = (),
         usual: Mapping[str, int] | None = None,
+        image: NDArray[np.uint8] | None = None,
     ) -> tuple[Data, Cycle]:
         """Γ as arrays, in its own order (``Gamma.in_order``), and what the cycle comes to in it.
 
         ``seeds`` are what is remembered to stand here, the surest first; ``usual``: how many data of each type are left
-        unexplained here, as a rule.
+        unexplained here, as a rule. ``image`` (H, W, 3): what Γ was detected in.
         """
-        data = data_of(gamma.in_order().appearances, gamma.camera, self.width)
+        photo = None if image is None else Photo(image, gamma.camera)
+        data = data_of(gamma.in_order().appearances, gamma.camera, self.width, photo)
         with clock.stage("search"), uncollected():
             task = Task(data, self.kb, self.models, self.dv, options.end, self.processes)
             cycle = perceive(task, seeds=seeds, usual=usual)

@@ -77,13 +77,17 @@ STEEPEST = 0.2
 
 @dataclass(frozen=True, eq=False)
 class Cast:
-    """Per ray (N): body (-1 none), triangle among all, distance in ray lengths, point (N, 3), normal (N, 3), world."""
+    """Per ray (N): body (-1 none), triangle among all, distance in ray lengths, point (N, 3), normal (N, 3), world.
+
+    ``weight`` (N, 3): of the triangle's corners there.
+    """
 
     body: NDArray[np.int64]
     triangle: NDArray[np.int64]
     depth: NDArray[np.float64]
     point: NDArray[np.float64]
     normal: NDArray[np.float64]
+    weight: NDArray[np.float64]
 
 
 class Caster:
@@ -112,10 +116,11 @@ class Caster:
         hit = triangle >= 0
         some = np.where(hit, triangle, 0)
         point = eye + np.where(hit, depth, np.nan)[:, None] * rays
-        normal = np.zeros_like(point)
-        normal[hit] = np.einsum("nc,ncx->nx", self._weights(point[hit], some[hit]), self._normals[some[hit]])
+        normal, weight = np.zeros((2, *point.shape))
+        weight[hit] = self._weights(point[hit], some[hit])
+        normal[hit] = _mixed(weight[hit], self._normals[some[hit]])
         normal /= np.maximum(lengths(normal)[:, None], 1e-12)
-        return Cast(np.where(hit, self._of[some], -1), triangle, depth, point, normal)
+        return Cast(np.where(hit, self._of[some], -1), triangle, depth, point, normal, weight)
 
     def colours(self, found: Cast, spread: NDArray[np.float64], steepness: NDArray[np.float64]) -> NDArray[np.float32]:
         """(N, 3) paint of what was met, blue first, 0 to 255; black where nothing was.
@@ -127,7 +132,7 @@ class Caster:
             own = np.flatnonzero(found.body == i)
             if len(own):
                 triangle = found.triangle[own]
-                uv = np.einsum("nc,ncx->nx", self._weights(found.point[own], triangle), self._uv[triangle])
+                uv = _mixed(found.weight[own], self._uv[triangle])
                 footprint = self._texels[triangle] * spread[own] / np.sqrt(np.maximum(steepness[own], STEEPEST))
                 colours[own] = paint.at(uv, footprint)
         return colours
@@ -138,8 +143,13 @@ class Caster:
 
     def _weights(self, points: NDArray[np.float64], triangle: NDArray[np.int64]) -> NDArray[np.float64]:
         """(N, 3) barycentric coordinates of points in their triangles."""
-        along = np.einsum("nkx,nx->nk", self._duals[triangle], points - self._corners[triangle, 0])
+        along = (self._duals[triangle] @ (points - self._corners[triangle, 0])[:, :, None])[:, :, 0]
         return np.clip(np.c_[1 - along.sum(axis=1), along], 0, 1)
+
+
+def _mixed(weight: NDArray[np.float64], corners: NDArray[np.float64]) -> NDArray[np.float64]:
+    """(N, X) of corners (N, 3, X), each by its weight (N, 3)."""
+    return np.asarray((weight[:, None, :] @ corners)[:, 0])
 
 
 def corner_normals(mesh: TexturedMesh) -> NDArray[np.float64]:

@@ -10,7 +10,7 @@ from plogic.base.errors import InputError
 from plogic.face.shown.options import Scoring, written
 from plogic.face.shown.tables import plain_table
 from plogic.run.bop.dataset import Dataset, open_dataset
-from plogic.run.bop.models import ids_of, model_ids, read_ids, read_models, unknown
+from plogic.run.bop.models import ids_of, model_ids, model_names, read_ids, read_models, unknown
 from plogic.run.bop.recalls import Recalls, Scores, score, targets_of, views_of
 from plogic.run.bop.results_file import Look, Run, results_text, run
 from plogic.run.perceive import perceiver_of
@@ -68,7 +68,7 @@ def look_of(kb: KnowledgeBase) -> Look:
     perceiver = perceiver_of(kb)
 
     def look(image: Any, camera: Any) -> list[tuple[str, Any, float]]:  # noqa: ANN401 - arrays
-        accepted = perceiver.accepted(detect(image, camera, kb.sought, kb.words))
+        accepted = perceiver.accepted(detect(image, camera, kb.sought, kb.words), image)
         return [(h.object_type.name, h.camera_from_object, probability) for h, probability in accepted]
 
     return look
@@ -77,7 +77,8 @@ def look_of(kb: KnowledgeBase) -> Look:
 def _ids(kb: KnowledgeBase, path: str | None, dataset: Dataset, say: Callable[[str], None]) -> dict[str, int]:
     """BOP's numbers of the KB's types; what leads nowhere is said, and that nothing leads anywhere is an error."""
     names, stated = [kind.name for kind in kb.types], read_ids(path)
-    ids = ids_of(names, stated)
+    by_name = {} if dataset.models is None else model_names(dataset.models)
+    ids = {name: by_name[name] for name in names if name in by_name} | ids_of(names, stated)
     lines = unknown(names, ids, stated, None if dataset.models is None else model_ids(dataset.models))
     if not ids:
         raise InputError("\n".join([f"{kb.name}: none of its types has a BOP number", *lines]))

@@ -24,6 +24,7 @@ from plogic.match.gamma.side_looks import contrasts_of
 
 if TYPE_CHECKING:  # what makes a type ready does not see Γ
     from sensing.appearance import Appearance
+    from sensing.pixels.photo import Photo
 
 ENTRIES = 2**20
 """Entries of a block, one row at least: 8 MB of each array of floats; of the dozen that a search has at a time about
@@ -64,8 +65,8 @@ class Data:
     ``angle`` (A,) rad, ``scale`` (A,) pixels, NaN where the detector gives none; ``descriptors`` (A, D) uint8;
     ``described`` (A,) whether a datum has place, angle, scale and descriptor: a keypoint; ``sided`` (A,) whether it is
     the side of an edge, which has no scale, and ``looks`` (A, 5) uint8 how it looks. ``depth``, ``depth_sigma`` (A,) m,
-    NaN where nothing tells a depth; None where nothing tells any. ``rows`` (A,) are their indices in ``whole``, of
-    which these are some.
+    NaN where nothing tells a depth; None where nothing tells any. ``photo``: what it was detected in, where that is
+    known. ``rows`` (A,) are their indices in ``whole``, of which these are some.
     """
 
     ids: tuple[str, ...]
@@ -83,6 +84,7 @@ class Data:
     part_of: "tuple[Data, Indices] | None" = None
     depth: Floats | None = None
     depth_sigma: Floats | None = None
+    photo: "Photo | None" = None
 
     @property
     def whole(self) -> "Data":
@@ -155,6 +157,7 @@ class Data:
             (self.whole, self.rows[index]),
             None if self.depth is None else self.depth[index],
             None if self.depth_sigma is None else self.depth_sigma[index],
+            self.photo,
         )
 
 
@@ -169,8 +172,10 @@ def ideal_camera(camera: Camera) -> Camera:
     return Camera(camera.width, camera.height, np.array([[camera.f, 0.0, x], [0.0, camera.f, y], [0.0, 0.0, 1.0]]))
 
 
-def data_of(appearances: Sequence["Appearance"], camera: Camera, width: int = 138) -> Data:
-    """Pack appearances into arrays, undistorting their places.
+def data_of(
+    appearances: Sequence["Appearance"], camera: Camera, width: int = 138, photo: "Photo | None" = None
+) -> Data:
+    """Pack appearances into arrays, undistorting their places; ``photo``: what they were detected in.
 
     ``width``: bytes of those descriptors that the KB's words are made of; colours count where all have them.
     """
@@ -200,6 +205,7 @@ def data_of(appearances: Sequence["Appearance"], camera: Camera, width: int = 13
         _bytes_of(appearances, sided, SIDE),
         None,
         *_depths_of(appearances),
+        photo,
     )
 
 

@@ -28,7 +28,7 @@ from plogic.match.hand.place_votes import Coarse
 from plogic.match.hand.view_cells import ViewCells, view_cells
 from plogic.match.judged.evidence import sigmas_of
 from plogic.match.judged.expectation import matched, polished, pose_of, settled
-from plogic.match.judged.type_models import SURE, Found, Given, Ranks, Request, Search, Setup, TypeModels
+from plogic.match.judged.type_models import SURE, Found, Given, Ranks, Request, Search, Setup, TypeModel, TypeModels
 from plogic.measures.distinctiveness import compatible, rank
 
 CELLS_TRIED = 24
@@ -43,7 +43,7 @@ ANCHORS = 16
 
 
 @dataclass(frozen=True)
-class TypeIndex:
+class TypeIndex(TypeModel):
     """One type made ready for search.
 
     ``points`` (F, 3) metres; ``weights`` (F,) dv; ``anchors`` feature indices, the most distinctive; ``links`` (N, 2)

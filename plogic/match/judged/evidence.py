@@ -244,7 +244,9 @@ def evidence(posed: Hypothesis, data: Data, kb: KnowledgeBase, hidden: Mask | No
         return Evidence(ratio, ratio - float(np.sort(gain)[-FIXED_BY:].sum()))
     if posed.hit is not None:
         ratio += CLEAR * float(np.sum([np.log(clarity(posed, hidden, kind)) for kind in kinds(posed)]))
-    return Evidence(ratio, ratio + _owed(posed, found, data, kb))
+    owed = _owed(posed, found, data, kb)
+    told = _by_pixels(posed, ratio + owed)
+    return Evidence(ratio + told, ratio + owed + told)
 
 
 def as_fitted(posed: Hypothesis, data: Data, kb: KnowledgeBase, hidden: Mask | None = None) -> tuple[Floats, Floats]:
@@ -253,7 +255,8 @@ def as_fitted(posed: Hypothesis, data: Data, kb: KnowledgeBase, hidden: Mask | N
     Of expected matches such that Π (h·N + f − h·f) / f is that at the best pose times the share.
 
     Each match gives up in proportion to how much better it is than a miss, ln(1 + h·N / (f − h·f)); where that is less
-    in all than the pose owes, the matches count as misses. ``hidden`` (F,) are the features that accepted opaque
+    in all than the pose owes, the matches count as misses. What a photo's pixels tell is told with them too: the
+    program has no factor of its own for it (formalism §9.10). ``hidden`` (F,) are the features that accepted opaque
     objects hide: not expected.
     """
     hit, near = as_counted(posed, data, kb, hidden)
@@ -262,9 +265,25 @@ def as_fitted(posed: Hypothesis, data: Data, kb: KnowledgeBase, hidden: Mask | N
         h = np.clip(hit[found], LEAST, 1.0 - LEAST)
         missed = (1.0 - h) * clutter_density(kb, data, posed.matches[found])
         better = np.log1p(h * near[found] / missed)
-        kept = max(LEAST, 1.0 + _owed(posed, found, data, kb) / max(float(better.sum()), LEAST))
+        more = _owed(posed, found, data, kb)
+        if posed.pixels is not None:
+            more += _by_pixels(posed, evidence(posed.told(pixels=None), data, kb, hidden).surplus)
+        kept = max(LEAST, 1.0 + more / max(float(better.sum()), LEAST))
         near[found] = np.expm1(kept * better) * missed / h
     return hit, near
+
+
+SUREST_MISSED = 0.0
+"""Least evidence of Γ where pixels were looked at."""
+
+
+def _by_pixels(posed: Hypothesis, surplus: float) -> float:
+    """What pixels add to a ``surplus`` of evidence: where they were looked at they tell what else is missed.
+
+    Features that are expected and not found cost no more than those that are found bring: print that is there and was
+    not detected is seen in the pixels, and print that is not there as well.
+    """
+    return 0.0 if posed.pixels is None else posed.pixels + max(0.0, SUREST_MISSED - surplus)
 
 
 def _owed(posed: Hypothesis, found: Mask, data: Data, kb: KnowledgeBase) -> float:

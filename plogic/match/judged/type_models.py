@@ -141,6 +141,10 @@ class TypeModel(Protocol):
         """
         ...
 
+    def beside(self, posed: Hypothesis, others: Sequence[Hypothesis], data: Data) -> Hypothesis:  # noqa: ARG002 - a kind may have more to say
+        """A hypothesis told anew what only the picture says of it, where these others may hide it."""
+        return posed
+
     def significance(self, posed: Hypothesis) -> float:
         """The log-likelihood ratio that a hypothesis must exceed, beyond what any pose has."""
         ...

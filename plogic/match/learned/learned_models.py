@@ -10,7 +10,7 @@ from collections.abc import Callable, Generator, Iterable, Mapping, Sequence
 from contextlib import closing
 from dataclasses import dataclass, field, fields
 from functools import cached_property
-from typing import Any, ClassVar, Self
+from typing import TYPE_CHECKING, Any, ClassVar, Self
 
 import numpy as np
 from numpy.typing import NDArray
@@ -29,8 +29,12 @@ from plogic.match.judged.type_models import SURE, Found, Given, Ranks, Request, 
 from plogic.match.learned.agreement import Lobes, lobes_of
 from plogic.match.learned.keypoints import Lexicon, lexicon_of
 from plogic.match.learned.learned_match import ROBUST, matched, pose_of, precision
+from plogic.match.learned.learned_pixels import hiding, looked_beside
 from plogic.match.learned.learned_poses import NOBODY, REFINED, Voted, generate, resting, voted
 from plogic.measures.distinctiveness import Kinds, kinds_of, rank_of_kinds
+
+if TYPE_CHECKING:
+    from sensing.pixels.drawn import Paint
 
 
 @dataclass(frozen=True, eq=False)
@@ -129,6 +133,16 @@ class LearnedIndex:
         surface = self.object_type.surface
         return float(surface.diameter if surface is not None else np.linalg.norm(np.ptp(self.points, axis=0)))
 
+    @cached_property
+    def paint(self) -> "Paint | None":
+        """Its mesh as it is painted; None where its file has no texture."""
+        from sensing.pixels.drawn import Paint
+        from sensing.simulated.body import read_mesh
+
+        kind = self.object_type
+        mesh = None if kind.mesh_file is None else read_mesh(kind.mesh_file, kind.mesh_scale)
+        return None if mesh is None or mesh.texture is None else Paint(mesh)
+
     def ranks(self, here: Counter[str], by_chance: Counter[str]) -> Ranks:
         """The ranks by counting words; a learned type has no neighbourhoods."""
         of_here, of_chance = (rank_of_kinds(self.weights, self.kinds, some) for some in (here, by_chance))
@@ -147,7 +161,13 @@ class LearnedIndex:
         hidden: Mask | None = None,
         rounds: int = 2,
     ) -> Hypothesis:
-        """The type at a pose, or one that is matched there already: matched (D7, D8), refined, and matched again."""
+        """The type at a pose, or one that is matched there already: matched (D7, D8), refined, and matched again.
+
+        A pose that fits the pixels stays as it is.
+        """
+        if isinstance(pose, Hypothesis) and pose.pixels is not None and rounds:
+            there = self.settle(pose.camera_from_object, data, kb, free, hidden, rounds=0)
+            return there.told(pixels=pose.pixels)
         return settled(
             pose,
             lambda pose: matched(self, pose_of(self, pose, data, kb), data, kb, free, hidden),
@@ -155,6 +175,10 @@ class LearnedIndex:
             rounds,
             lambda posed: evidence(posed, data, kb, hidden).ratio,
         )
+
+    def beside(self, posed: Hypothesis, others: Sequence[Hypothesis], data: Data) -> Hypothesis:
+        """A hypothesis told anew what its pixels say, where these others may hide it."""
+        return looked_beside(self, posed, others, data)
 
     def significance(self, posed: Hypothesis) -> float:  # noqa: ARG002 - of other kinds it depends on the hypothesis
         """All poses of a learned type are counted in its evidence."""
@@ -231,9 +255,11 @@ class LearnedModels(TypeModels):
 
     def resting(self, plane: Plane, left: Data, given: Given, request: Request) -> Generator[Found]:
         """The hypotheses of each type that stand on a plane."""
-        taken = bodies(self.models, given.accepted)
+        taken, before = bodies(self.models, given.accepted), hiding(given.accepted)
         asked = [index for name, index in sorted(self.models.items()) if not given.count(name)]
-        return searched(lambda index: resting(index, plane, left, request.kb, taken), asked, left, request.processes)
+        return searched(
+            lambda index: resting(index, plane, left, request.kb, taken, before), asked, left, request.processes
+        )
 
     def make_ready(self) -> None:
         """Compute all that the types compute when they are first asked for it."""
@@ -277,14 +303,20 @@ class LearnedSearch(Search):
 
     def propose(self, names: Sequence[str], left: Data, given: Given) -> Generator[Found]:
         """The hypotheses of each type."""
-        taken = bodies(self.models, given.accepted)
+        taken, before = bodies(self.models, given.accepted), hiding(given.accepted)
         whole = len(left.ids) == len(self.request.data.ids)
 
         def search(index: LearnedIndex) -> Found:
             name = index.object_type.name
             most = AGAIN if name in self._searched else REFINED
             return generate(
-                index, left, self.request.kb, taken, refined=most, of=self._voted.get(name) if whole else None
+                index,
+                left,
+                self.request.kb,
+                taken,
+                before=before,
+                refined=most,
+                of=self._voted.get(name) if whole else None,
             )
 
         indices = [self.models[name] for name in names]

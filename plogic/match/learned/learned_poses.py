@@ -18,9 +18,12 @@ from plogic.match.judged.expectation import FEWEST
 from plogic.match.judged.rivals import apart, distinct, distinct_poses
 from plogic.match.learned.agreement import agreement, votes
 from plogic.match.learned.keypoints import SEEDS, Pairs, depths, pairs_of, plausible, sights, single_poses, turns
+from plogic.match.learned.learned_pixels import Before, by_pixels
 from plogic.match.learned.learned_refinement import ROUNDS, Round, held_at, refined
 
 if TYPE_CHECKING:
+    from collections.abc import Sequence
+
     from geometry.arrays import Floats, Mask
     from geometry.bodies.resting import Plane
     from kb.clouds.cloud import KnowledgeBase
@@ -68,19 +71,24 @@ def generate(
     kb: KnowledgeBase,
     taken: Floats = NOBODY,
     *,
+    before: Sequence[Before] = (),
     refined: int = REFINED,
     verified: int = VERIFIED,
     of: Voted | None = None,
 ) -> list[tuple[float, Hypothesis]]:
     """The settled poses with their log-likelihood ratios, best first.
 
-    ``refined``, ``verified``: how many poses go that far; ``of``: what the data vote for, where that is known.
+    ``refined``, ``verified``: how many poses go that far; ``of``: what the data vote for, where that is known;
+    ``before``: what hides pixels, where it is nearer.
 
     ``taken`` (N, 4): middles, camera frame, and inner radii of bodies that are there already, m: poses that overlap
     them (A4) are not looked at.
     """
     thin = verified <= VERIFIED
     poses, worth = proposed(index, data, kb, refined, verified, taken, thin=thin, of=of)
+    if data.photo is not None and len(poses) and index.paint is not None:
+        clear = clear_of(taken, index, poses)
+        return by_pixels(index, poses[clear], worth[clear], data, kb, before)
     poses = poses[worth >= WORTHLESS] if thin else poses
     return settled_best(index, poses[clear_of(taken, index, poses)], data, kb, verified)
 
@@ -195,7 +203,7 @@ ROUNDS_RESTING = (
 
 
 def resting(
-    index: LearnedIndex, plane: Plane, data: Data, kb: KnowledgeBase, taken: Floats
+    index: LearnedIndex, plane: Plane, data: Data, kb: KnowledgeBase, taken: Floats, before: Sequence[Before] = ()
 ) -> list[tuple[float, Hypothesis]]:
     """Γ's poses on the plane, settled and then free to leave it, with log-likelihood ratios, best first.
 
@@ -208,6 +216,8 @@ def resting(
         return []
     some = _best(index, poses, _votes(index, poses, pairs, data, VOTE_RESTING), MOST_RESTING)
     best, worth = refined(index, some, pairs, data, data.camera.f / kb.f_ref, rounds=ROUNDS_RESTING, moves=plane.moves)
+    if data.photo is not None and len(best) and index.paint is not None:
+        return by_pixels(index, best, worth, data, kb, before)
     return settled_best(index, best[worth >= WORTHLESS], data, kb, VERIFIED_RESTING)
 
 

@@ -141,6 +141,12 @@ class Model:
         return len(self.symmetries) > 1
 
 
+def model_names(folder: Path) -> dict[str, int]:
+    """The numbers of the objects that ``models_info.json`` names, by their names. Raises InputError."""
+    rows = numbered(folder / "models_info.json").items()
+    return {row["name"]: number for number, row in rows if isinstance(row, dict) and isinstance(row.get("name"), str)}
+
+
 def model_ids(folder: Path) -> list[int]:
     """The objects that a models' folder knows. Raises InputError."""
     return sorted(numbered(folder / "models_info.json"))

@@ -172,6 +172,33 @@ def test_bop_models_are_in_millimetres_and_keep_their_symmetries(tmp_path, folde
     assert types[1].symmetries[1] @ [0.05, 0.05, 0.3, 1] == pytest.approx([0.05, 0.05, 0.3, 1])
 
 
+GLUE = [-0.999633, 0.026679, 0.00479336, -0.262139, -0.0266744, -0.999644, 0.00100504, -0.197966, 0.00481847, 0.000876815,
+        0.999988, 0.0321652, 0, 0, 0, 1]  # fmt: skip
+"""LM-O's own: a half turn that was fitted to a scan, and closes no group."""
+
+
+def test_a_published_turn_that_is_not_exact_is_the_one_that_it_means(tmp_path, folder):
+    good("kb", "import", bop(tmp_path / "models", {"1": {"symmetries_discrete": [GLUE]}}), "--kb", folder)
+    same, turn = read_kb(folder).types[0].symmetries
+    assert np.array_equal(same, np.eye(4))
+    assert turn @ turn == pytest.approx(np.eye(4), abs=1e-8)
+    assert turn[:3, :3] == pytest.approx(np.array(GLUE).reshape(4, 4)[:3, :3], abs=0.03)
+    assert turn[:2, 3] == pytest.approx([-0.262139e-3, -0.197966e-3], abs=2e-5)
+
+
+def test_names_in_models_info_are_the_types_names(tmp_path, folder):
+    info = {"1": {"name": "ape"}, "2": {"name": "can"}, "10": {"name": "003_cracker_box"}}
+    good("kb", "import", bop(tmp_path / "models", info), "--kb", folder)
+    assert [kind.name for kind in read_kb(folder).types] == ["003_cracker_box", "ape", "can"]
+
+
+@pytest.mark.parametrize("third", [{}, {"name": "ape"}, {"name": "../out"}, {"name": 3}])
+def test_where_not_all_have_a_name_of_their_own_they_keep_their_numbers(tmp_path, folder, third):
+    info = {"1": {"name": "ape"}, "2": {"name": "can"}, "10": third}
+    good("kb", "import", bop(tmp_path / "models", info), "--kb", folder)
+    assert [kind.name for kind in read_kb(folder).types] == ["obj_000001", "obj_000002", "obj_000010"]
+
+
 def test_symmetries_of_six_digits_close(tmp_path, folder):
     c, s = 0.964966, 0.262375
     turn = [-c, s, 0, 0, s, c, 0, 0, 0, 0, -1, 0, 0, 0, 0, 1]

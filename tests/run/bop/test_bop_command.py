@@ -220,6 +220,19 @@ def test_ids_by_name_and_by_file(tmp_path):
             read_ids(str(tmp_path / "ids.json"))
 
 
+def test_types_are_known_by_the_names_in_the_datasets_models(folder, tmp_path):
+    """No numbers are given: ``models_info.json`` says which is which; a number that is given counts more."""
+    file = folder / "models" / "models_info.json"
+    info = json.loads(file.read_text())
+    info["1"]["name"], info["2"]["name"] = "t1", "t2"
+    put(file, info)
+    command(folder, tmp_path / "named.csv", ids=None)
+    assert [row.obj_id for row in read_results(tmp_path / "named.csv")] == [1, 2, 1, 2]
+    put(tmp_path / "ids.json", {"t1": 2, "t2": 1})
+    command(folder, tmp_path / "stated.csv")
+    assert [row.obj_id for row in read_results(tmp_path / "stated.csv")] == [2, 1, 2, 1]
+
+
 def test_the_command_itself(folder, tmp_path):
     """With the KB's own perceiver, on grey pictures: nothing is found, nothing is wrong."""
     run = CliRunner().invoke(

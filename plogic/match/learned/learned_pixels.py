@@ -1,0 +1,97 @@
+"""What a photo's pixels say of a learned type at a pose, and poses moved to where they fit best (formalism §9.10).
+
+A pixel counts once, for what stands in front: a hypothesis behind an accepted object is told with that masked.
+
+* ``by_pixels``: of the poses of a search those that the pixels speak for, as hypotheses
+* ``looked_beside``: a hypothesis told anew what its pixels say, beside others
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import TYPE_CHECKING, TypeAlias
+
+import numpy as np
+
+from geometry.visibility.rays import RayMesh
+from plogic.match.judged.evidence import evidence
+from plogic.match.judged.expectation import FEWEST
+from plogic.match.judged.rivals import apart_on_screen, distinct, overlap, same_place
+
+if TYPE_CHECKING:
+    from geometry.arrays import Floats
+    from kb.clouds.cloud import KnowledgeBase
+    from plogic.facts.hypothesis import Hypothesis
+    from plogic.match.gamma.data import Data
+    from plogic.match.learned.learned_models import LearnedIndex
+
+Before: TypeAlias = tuple[RayMesh, np.ndarray]
+"""A surface that may hide pixels, and its pose (4, 4)."""
+SCREENED, FITTED = 6, 2
+"""Poses of a type whose pixels are looked at, and those that are moved to where the pixels fit best."""
+PROMISING = 4.0
+"""Fit, in ``sensing.pixels.energy``, that few poses of absent types have (``python benchmarks/pixel_odds.py``): one
+that has it is refined whatever its keypoints say."""
+WORTHY = 25.0
+"""Worth of a pose that is refined whatever its pixels say."""
+
+
+def by_pixels(
+    index: LearnedIndex,
+    best: Floats,
+    worth: Floats,
+    data: Data,
+    kb: KnowledgeBase,
+    before: Sequence[Before] = (),
+) -> list[tuple[float, Hypothesis]]:
+    """Of refined poses (N, 4, 4), best first, those that the pixels speak for, moved to where these fit best."""
+    from sensing.pixels.crop import crop_of
+    from sensing.pixels.energy import fit_of
+    from sensing.pixels.refine import COARSE, refined
+
+    photo, paint = data.photo, index.paint
+    assert photo is not None  # noqa: S101 - the caller looked
+    assert paint is not None  # noqa: S101
+    screened: list[tuple[float, Floats, float]] = []
+    for pose, value in zip(best, worth, strict=True):
+        if len(screened) == SCREENED:
+            break
+        if not any(same_place(index.object_type, pose, old) for _, old, _ in screened):
+            crop = crop_of(photo, paint, pose, COARSE, before)
+            screened.append((fit_of(crop, paint, pose).score if crop is not None else -np.inf, pose, value))
+    hopeful = [row for row in screened if row[0] >= PROMISING or row[2] >= WORTHY]
+    found = []
+    for _, pose, _ in sorted(hopeful, key=lambda row: -row[0])[:FITTED]:
+        at = refined(photo, paint, index.settle(pose, data, kb, rounds=2).camera_from_object, before)
+        if at is not None:
+            moved = index.settle(at[0], data, kb, rounds=0).told(pixels=at[1].odds)
+            if (moved.candidate & moved.detected).sum() >= FEWEST:
+                found.append((evidence(moved, data, kb).ratio, moved))
+    return distinct(found, index.object_type)
+
+
+def hiding(others: Sequence[Hypothesis]) -> list[Before]:
+    """The surfaces of opaque hypotheses, and their poses."""
+    return [
+        (other.object_type.surface.rays, other.camera_from_object)
+        for other in others
+        if other.opaque and other.object_type.surface is not None
+    ]
+
+
+def looked_beside(index: LearnedIndex, posed: Hypothesis, others: Sequence[Hypothesis], data: Data) -> Hypothesis:
+    """The hypothesis told anew what its pixels say, where others stand near it on the screen and do not exclude it."""
+    near = [
+        other
+        for other in others
+        if other is not posed and not apart_on_screen(posed, other, data.camera.f, 0.0) and not overlap(posed, other)
+    ]
+    before = hiding(near)
+    if posed.pixels is None or data.photo is None or index.paint is None or not before:
+        return posed
+    from sensing.pixels.crop import crop_of
+    from sensing.pixels.energy import fit_of
+    from sensing.pixels.refine import FINE
+
+    crop = crop_of(data.photo, index.paint, posed.camera_from_object, FINE, before)
+    return posed if crop is None else posed.told(pixels=fit_of(crop, index.paint, posed.camera_from_object).odds)

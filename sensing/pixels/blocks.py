@@ -1,0 +1,131 @@
+"""The drawn surface against the photo in small squares, each with a gain and an offset of its own.
+
+Light, shadow and white balance change slowly over a surface, print does not: what is left once a square's brightness
+and contrast are fitted is print that is there, or is not.
+
+* ``Blocks``: the pixels of squares that are full enough, in the squares' order
+"""
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import cv2
+import numpy as np
+from numpy.typing import NDArray
+
+from geometry.arrays import Floats, Ints, Mask
+from sensing.pixels.crop import Crop
+from sensing.pixels.drawn import Drawn
+from sensing.pixels.photo import lab_of
+
+FULL = 0.35
+"""Share of a square that must show the object."""
+GAINS = 0.35, 1.3
+"""Bounds of the common gain; of a square's own ``OWN`` of it."""
+OWN = 0.5, 1.6
+FLOOR = np.array([9.0, 4.0, 4.0])
+"""Least variance of noise in L, a, b."""
+MODEL = 0.15
+"""Share of the drawn contrast by which it may be wrong."""
+SENSOR = np.array([0.5, 0.75, 0.75]) * 0.39**2
+"""Variance in L, a, b for that of one grey level of the sensor's noise."""
+ALIKE = 12.0
+"""Pixels that tell as much as one independent sample."""
+SHARPNESS = 0.7
+"""Pixels, standard deviation, by which the drawn is smoothed, as a photo is."""
+
+
+def smoothed(drawn: Drawn) -> NDArray[np.float32]:
+    """(h, w, 3) Lab of the drawn colours as a photo shows them."""
+    share = cv2.GaussianBlur(drawn.mask.astype(np.float32), (0, 0), SHARPNESS)
+    return lab_of(cv2.GaussianBlur(drawn.colour, (0, 0), SHARPNESS) / np.maximum(share, 0.2)[..., None])
+
+
+@dataclass(frozen=True, eq=False)
+class Blocks:
+    """N pixels in K squares: ``y``, ``x`` (N,), ``first`` (K,) of each square, ``count`` (K,).
+
+    ``photo``, ``drawn`` (N, 3) Lab there; ``noise`` (3,) variance of the photo's noise.
+    """
+
+    y: Ints
+    x: Ints
+    first: Ints
+    count: Ints
+    photo: Floats
+    drawn: Floats
+    noise: Floats
+
+    @cached_property
+    def square(self) -> Ints:
+        """(N,) which square each pixel is in."""
+        return np.repeat(np.arange(len(self.count)), self.count)
+
+    def means(self, values: Floats) -> Floats:
+        """(K, C) of values (N, C) over the squares."""
+        return np.asarray(np.add.reduceat(values, self.first, axis=0) / self.count[:, None])
+
+    @cached_property
+    def moments(self) -> tuple[Floats, Floats, Floats]:
+        """(K, 3) each: variance of the photo, of the drawn, and their covariance."""
+        p, q = self.photo, self.drawn
+        both = self.means(np.concatenate([p, q, p * p, q * q, p * q], axis=1))
+        mp, mq, pp, qq, pq = (both[:, 3 * i : 3 * i + 3] for i in range(5))
+        return np.maximum(pp - mp * mp, 0.0), np.maximum(qq - mq * mq, 0.0), pq - mp * mq
+
+    @cached_property
+    def gain(self) -> float:
+        """Of contrast, common to all squares and channels."""
+        _, variance, together = self.moments
+        n = self.count[:, None]
+        return float(np.clip((n * together).sum() / max(float((n * variance).sum()), 1e-6), *GAINS))
+
+    @cached_property
+    def gains(self) -> Floats:
+        """(K, 3) of each square and channel."""
+        _, variance, together = self.moments
+        return np.clip(together / np.maximum(variance, 1e-6), OWN[0] * self.gain, OWN[1] * self.gain)
+
+    @cached_property
+    def left(self) -> Floats:
+        """(K, 3) variance of the photo that the drawn does not explain."""
+        photo, drawn, together = self.moments
+        return np.maximum(photo - 2.0 * self.gains * together + self.gains**2 * drawn, 0.0)
+
+    @property
+    def explained(self) -> float:
+        """Logarithm of how much likelier the photo is with the drawn than with nothing but its own variance."""
+        if not len(self.count):
+            return 0.0
+        photo, drawn, _ = self.moments
+        noise = self.noise + FLOOR + (MODEL * self.gain) ** 2 * drawn
+        return float((0.5 * self.count[:, None] / ALIKE * np.log((photo + noise) / (self.left + noise))).sum())
+
+    @property
+    def correlation(self) -> float:
+        """Between photo and drawn, squares weighed by how much print they show; 0 where there is none."""
+        if not len(self.count):
+            return 0.0
+        photo, drawn, together = self.moments
+        noise = self.noise + FLOOR + (MODEL * self.gain) ** 2 * drawn
+        each = (np.maximum(together, 0.0) / np.sqrt((photo + noise) * (drawn + noise))).mean(axis=1)
+        weight = self.count * (drawn / (drawn + noise)).mean(axis=1)
+        return float((weight * each).sum() / max(float(weight.sum()), 0.05 * float(self.count.sum()), 1.0))
+
+
+def blocks_of(crop: Crop, shown: NDArray[np.float32], visible: Mask, side: int) -> Blocks:
+    """The squares, ``side`` px wide, of what is ``visible`` (h, w) of a drawn surface (h, w, 3) Lab."""
+    y, x = np.nonzero(visible)
+    across = visible.shape[1] // side + 1
+    number = (y // side) * across + x // side
+    order = np.argsort(number, kind="stable")
+    y, x, number = y[order], x[order], number[order]
+    _, count = np.unique(number, return_counts=True)
+    full = count > FULL * side * side
+    if not full.any():
+        full = count >= max(1, min(int(count.max(initial=0)), 12))
+    keep = np.repeat(full, count)
+    y, x, count = y[keep], x[keep], count[full]
+    first = np.cumsum(count) - count
+    noise = SENSOR * crop.noise**2
+    return Blocks(y, x, first, count, crop.lab[y, x].astype(float), shown[y, x].astype(float), noise)

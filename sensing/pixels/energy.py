@@ -1,0 +1,114 @@
+"""How well a pose's pixels fit: edges along its outline, colours on its two sides, and its print (formalism §9.10).
+
+The parts are means over what each has, times how many independent measurements that is worth (``WORTH``), so that they
+are one logarithm of a likelihood, about.
+"""
+
+from typing import NamedTuple
+
+import cv2
+import numpy as np
+
+from geometry.arrays import Floats
+from sensing.pixels.blocks import Blocks, blocks_of, smoothed
+from sensing.pixels.crop import Crop, clear
+from sensing.pixels.drawn import Drawn, Paint
+from sensing.pixels.lines import NOWHERE, SLACK, Lines, between_colours, on_edges, outline_of
+
+EDGES, PRINT, REGION = 5.0, 27.0, 3.0
+"""What the mean over an outline of edges, the print of a whole surface, and the mean over an outline of colours are
+worth, in independent measurements."""
+FEWEST_LINES, FEWEST_PIXELS = 12, 60
+"""Of fewer nothing is said."""
+LOST = 0.1
+"""Share of the lines across an outline that say nothing of it."""
+SHARP, CLUTTER, MISSED = 1.1, 0.25, -0.45
+"""An edge is off its place by so many pixels (standard deviation); share of edges that are another's; what it tells
+that there is none."""
+WHOLE = 0.4
+"""Share of the square over its larger side that a body covers: all of its print is that of so many pixels."""
+
+
+ODDS = -11.4, 4.2, 2.6, 51.2, 5.3
+"""What is told of a fit that is not there at all, and by a unit of edges, region, print and correlation
+(``python benchmarks/pixel_odds.py KB SCENE``, on the five photos of `ycb`)."""
+SUREST, BEYOND = (-12.0, 8.0), 0.5
+"""Pixels are not independent: so much is believed of them at most, either way; and of what is beyond, which tells one
+pose from another, such a share."""
+
+
+class Fit(NamedTuple):
+    """Of one pose: ``edges``, ``region`` (means, nats a line), ``print_`` (nats) and ``correlation`` of its print.
+
+    ``visible``: share of its outline that is in the photo with nothing before it.
+    """
+
+    edges: float
+    region: float
+    print_: float
+    correlation: float
+    visible: float
+
+    @property
+    def score(self) -> float:
+        """The logarithm of a likelihood, about."""
+        return EDGES * self.edges + PRINT * self.print_ + REGION * self.region
+
+    @property
+    def odds(self) -> float:
+        """Logarithm of how much likelier such a fit is of an object that is there than of none."""
+        told = ODDS[0] + ODDS[1] * self.edges + ODDS[2] * self.region + ODDS[4] * self.correlation
+        odds = self.visible * told + ODDS[3] * self.print_
+        return max(SUREST[0], min(odds, SUREST[1]) + BEYOND * max(0.0, odds - SUREST[1]))
+
+
+NO_FIT = Fit(-9.0, -9.0, 0.0, 0.0, 0.0)
+
+
+def spans(crop: Crop) -> tuple[int, int]:
+    """Pixels to either side of an outline in which colours are compared, and in which it is looked for."""
+    return int(np.clip(round(0.085 * crop.size), 5, 11)), int(np.clip(round(0.055 * crop.size), 3, 7))
+
+
+def edges_told(off: Floats, reach: int) -> Floats:
+    """(N,) logarithm of how much likelier the nearest edges are of an outline here than of clutter."""
+    even = 1.0 / (2 * reach + 1)
+    bell = np.exp(-0.5 * (off / SHARP) ** 2) / (SHARP * np.sqrt(2.0 * np.pi))
+    return np.where(off < NOWHERE, np.log(((1.0 - CLUTTER) * bell + CLUTTER * even) / even), MISSED)
+
+
+def fit_of(crop: Crop, paint: Paint, pose: Floats) -> Fit:
+    """How well a pose (4, 4) fits."""
+    drawn = paint.drawn(pose, crop.K, crop.shape)
+    slack = SLACK * paint.diameter
+    lines = outline_of(crop, drawn, slack)
+    if len(lines) < FEWEST_LINES or int(drawn.mask.sum()) < FEWEST_PIXELS:
+        return NO_FIT
+    length, reach = spans(crop)
+    told = between_colours(crop, lines, length, reach)
+    region = float(np.log((1.0 - LOST) * np.exp(told.here) + LOST).mean())
+    edges = float(edges_told(on_edges(crop, lines, reach)[0], reach).mean())
+    fine = squares_of(crop, drawn, slack, max(5, round(crop.size / 10.0)))
+    worth = 12.0 * fine.explained / (WHOLE * crop.size**2)
+    return Fit(edges, region, worth, fine.correlation, visible_share(lines))
+
+
+def squares_of(crop: Crop, drawn: Drawn, slack: float, side: int, rim: int = 3) -> Blocks:
+    """The squares of its visible surface, ``rim`` pixels wide kernels away from its outline."""
+    inner = cv2.erode(drawn.mask.astype(np.uint8), np.ones((rim, rim), np.uint8), borderValue=0) > 0
+    return blocks_of(crop, smoothed(drawn), inner & clear(crop, drawn, slack), side)
+
+
+def visible_share(lines: Lines) -> float:
+    """Of the drawn outline, by the lines that are left of it."""
+    return lines.left / max(lines.whole, 1)
+
+
+def choice(fits: list[Fit]) -> tuple[int, list[float]]:
+    """Which of several poses fits best, and their scores.
+
+    Print counts as far as any of them correlates with the photo: where none does, the paint is not the object's.
+    """
+    faith = float(np.clip((max(fit.correlation for fit in fits) - 0.2) / 0.3, 0.0, 1.0))
+    scores = [EDGES * fit.edges + faith * PRINT * fit.print_ + REGION * fit.region for fit in fits]
+    return int(np.argmax(scores)), scores

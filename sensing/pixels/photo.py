@@ -1,0 +1,60 @@
+"""A photo with what is measured of it once: its palette and its noise.
+
+* ``Photo(image, camera)``
+"""
+
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Any
+
+import cv2
+import numpy as np
+from numpy.typing import NDArray
+
+from geometry.arrays import Bytes
+from geometry.camera import Camera
+
+COLOURS = 32
+"""Of a photo's palette."""
+SAMPLES = 6000
+"""Pixels that the palette is made of."""
+DULL = 0.6
+"""How much brightness counts against hue where pixels are put to a colour of the palette."""
+_SECOND = np.array([[1, -2, 1], [-2, 4, -2], [1, -2, 1]], np.float32)
+
+
+DULLED = np.array([DULL, 1.0, 1.0], np.float32)
+
+
+def lab_of(bgr: NDArray[Any]) -> NDArray[np.float32]:
+    """(H, W, 3) CIE L (0 to 100), a, b of colours 0 to 255, blue first."""
+    return np.asarray(
+        cv2.cvtColor(np.asarray(np.clip(bgr, 0.0, 255.0) / 255.0, np.float32), cv2.COLOR_BGR2LAB), np.float32
+    )
+
+
+@dataclass(frozen=True, eq=False)
+class Photo:
+    """``image`` (H, W, 3) uint8, blue first, and its camera."""
+
+    image: Bytes
+    camera: Camera
+
+    @cached_property
+    def noise(self) -> float:
+        """Standard deviation of its noise, grey levels (Immerkaer 1996, by the median)."""
+        grey = cv2.cvtColor(self.image, cv2.COLOR_BGR2GRAY).astype(np.float32)
+        return float(np.median(np.abs(cv2.filter2D(grey, -1, _SECOND))) / 0.6745 / 6.0)
+
+    @cached_property
+    def palette(self) -> NDArray[np.float32]:
+        """(``COLOURS``, 3) of its own, brightness dulled."""
+        every = max(1, round((self.image.shape[0] * self.image.shape[1] / SAMPLES) ** 0.5))
+        some = lab_of(self.image[::every, ::every].astype(np.float32)) * DULLED
+        cv2.setRNGSeed(1)
+        which = np.zeros((len(some.reshape(-1, 3)), 1), np.int32)
+        enough = (cv2.TERM_CRITERIA_EPS + cv2.TERM_CRITERIA_MAX_ITER, 8, 0.5)
+        some = np.ascontiguousarray(some.reshape(-1, 3))
+        return np.asarray(
+            cv2.kmeans(some, min(COLOURS, len(some)), which, enough, 1, cv2.KMEANS_PP_CENTERS)[2], np.float32
+        )

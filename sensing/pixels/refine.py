@@ -1,0 +1,214 @@
+"""A pose moved to where its pixels fit: Gauss-Newton on colours across the outline, edges and print.
+
+First over the colours of the two sides and the print, which reach far; then over edges, which are exact. The start
+itself stays a candidate, and the fit (``energy``) picks.
+"""
+
+from collections.abc import Iterator, Sequence
+from typing import NamedTuple
+
+import cv2
+import numpy as np
+
+from geometry.arrays import Floats
+from geometry.frames import transform_points, turn_about
+from geometry.visibility.rays import RayMesh
+from sensing.pixels.blocks import ALIKE, Blocks, smoothed
+from sensing.pixels.crop import Crop, crop_of
+from sensing.pixels.drawn import Drawn, Paint
+from sensing.pixels.energy import FEWEST_LINES, Fit, choice, fit_of, spans, squares_of
+from sensing.pixels.lines import NOWHERE, SLACK, Lines, between_colours, creases_of, on_edges, outline_of
+from sensing.pixels.photo import Photo
+
+DEPTHS, TILTS = (0.06, -0.06), np.radians((18.0, -18.0))
+"""Shares of the depth by which starts are moved along the line of sight, and radians by which they are tilted about
+the two axes across it: print alone leaves both in doubt (``photos.md``)."""
+COARSE, FINE = 64.0, 128.0
+"""Pixels that an object's larger side has at most where starts are compared, and where the best of them are refined."""
+
+
+class Stage(NamedTuple):
+    """Weights of the parts, steps at most, and pixels along a line in which an outline is looked for (None: all)."""
+
+    region: float
+    edges: float
+    print_: float
+    steps: int
+    reach: int | None
+
+
+FIRST, FAR = Stage(1.0, 0.0, 1.0, 3, None), Stage(1.0, 0.0, 1.0, 6, None)
+EXACT = Stage(1.0, 0.0, 1.0, 3, None), Stage(0.3, 1.0, 1.0, 6, 3)
+"""Small, every start a little, and the best of them on; then large. Edges in the first catch clutter
+(``photos.md``)."""
+TURN, DEPTH, ACROSS = 0.3, 0.1, 6.0
+"""Standard deviations of what a step is expected to be: radians, a share of the depth, and pixels of the photo's part
+across it."""
+LONGEST = 0.25
+"""Radians of one step."""
+LITTLE = 0.002, 0.1
+"""Radians, and pixels, below which a step is the last."""
+SAME = 0.04
+"""Diameters: poses nearer than this to one another lead to the same one."""
+KEPT, CLOSE = 3, 3.0
+"""Starts that go on of those that are compared; of these the best, and what fits less well by no more than this, are
+refined to the end."""
+
+
+def refined(
+    photo: Photo, paint: Paint, pose: Floats, before: Sequence[tuple[RayMesh, Floats]] = ()
+) -> tuple[Floats, Fit] | None:
+    """The best-fitting pose (4, 4) from a start and from starts beside it, and its fit; None where it is not in sight.
+
+    ``before``: the surfaces of what stands there for sure, and its poses.
+    """
+    small, large = (crop_of(photo, paint, pose, size, before) for size in (COARSE, FINE))
+    if small is None or large is None:
+        return None
+    coarse = [settled(small, paint, start, [FIRST]) for start in starts_about(pose, paint)]
+    coarse = [settled(small, paint, some, [FAR]) for some, _ in ordered(small, paint, coarse)[:KEPT]]
+    found = ordered(small, paint, coarse)
+    best = different([some for some, score in found if score >= found[0][1] - CLOSE], paint)
+    poses = [pose, *(settled(large, paint, some, EXACT) for some in best)]
+    fits = [fit_of(large, paint, some) for some in poses]
+    chosen = choice(fits)[0]
+    return poses[chosen], fits[chosen]
+
+
+def ordered(crop: Crop, paint: Paint, poses: Sequence[Floats]) -> list[tuple[Floats, float]]:
+    """Poses with their scores, the best-fitting first."""
+    scores = choice([fit_of(crop, paint, pose) for pose in poses])[1]
+    return [(poses[k], scores[k]) for k in np.argsort(-np.array(scores), kind="stable")]
+
+
+def different(poses: Sequence[Floats], paint: Paint) -> list[Floats]:
+    """Those of poses, in their order, whose surface is not where that of one before is."""
+    corners = paint.middle + 0.5 * paint.diameter * np.concatenate([np.eye(3), -np.eye(3)])
+    kept: list[Floats] = []
+    for pose in poses:
+        off = [np.linalg.norm(transform_points(pose, corners) - transform_points(old, corners), axis=1) for old in kept]
+        if all(one.mean() > SAME * paint.diameter for one in off):
+            kept.append(pose)
+    return kept
+
+
+def starts_about(pose: Floats, paint: Paint) -> list[Floats]:
+    """A pose, and those beside it where print fits nearly as well."""
+    middle = pose[:3, :3] @ paint.middle + pose[:3, 3]
+    sight = middle / np.linalg.norm(middle)
+    one = np.cross(sight, np.eye(3)[np.argmin(np.abs(sight))])
+    one /= np.linalg.norm(one)
+    steps = [np.zeros(6), *(np.concatenate([np.zeros(3), share * middle]) for share in DEPTHS)]
+    steps += [np.concatenate([angle * way, np.zeros(3)]) for way in (one, np.cross(sight, one)) for angle in TILTS]
+    return [moved(pose, paint.middle, step) for step in steps]
+
+
+def moved(pose: Floats, middle: Floats, step: Floats) -> Floats:
+    """A pose after a step (6,): turned about the object's ``middle`` by a vector, radians, then moved, m."""
+    angle = float(np.linalg.norm(step[:3]))
+    turn = turn_about(step[:3] / angle, angle)[:3, :3] if angle > 0.0 else np.eye(3)
+    result = pose.copy()
+    result[:3, :3] = turn @ pose[:3, :3]
+    result[:3, 3] = pose[:3, :3] @ middle + pose[:3, 3] + step[3:] - result[:3, :3] @ middle
+    return result
+
+
+def settled(crop: Crop, paint: Paint, pose: Floats, stages: Sequence[Stage]) -> Floats:
+    """The pose after all stages."""
+    for stage in stages:
+        for _ in range(stage.steps):
+            step = _step(crop, paint, pose, stage)
+            if step is None:
+                return pose
+            pose = moved(pose, paint.middle, step)
+            scale = paint.diameter / crop.size
+            if np.abs(step[:3]).max() < LITTLE[0] and np.abs(step[3:]).max() < LITTLE[1] * scale:
+                break
+    return pose
+
+
+def _step(crop: Crop, paint: Paint, pose: Floats, stage: Stage) -> Floats | None:
+    """One of Gauss-Newton; None where too little of the object is seen."""
+    drawn, slack = paint.drawn(pose, crop.K, crop.shape), SLACK * paint.diameter
+    lines = outline_of(crop, drawn, slack)
+    if len(lines) < FEWEST_LINES:
+        return None
+    middle = pose[:3, :3] @ paint.middle + pose[:3, 3]
+    scale = paint.diameter / crop.size
+    hessian = np.diag(1.0 / np.array([TURN] * 3 + [ACROSS * scale] * 2 + [DEPTH * middle[2]]) ** 2)
+    slope = np.zeros(6)
+    for part in _parts(crop, drawn, lines, middle, slack, stage):
+        hessian += part[0]
+        slope += part[1]
+    step = np.linalg.solve(hessian, slope)
+    return np.asarray(step * min(1.0, LONGEST / max(float(np.linalg.norm(step[:3])), 1e-9)))
+
+
+def _parts(
+    crop: Crop, drawn: Drawn, lines: Lines, middle: Floats, slack: float, stage: Stage
+) -> Iterator[tuple[Floats, Floats]]:
+    """(6, 6) and (6,) of each part of the energy."""
+    length, widest = spans(crop)
+    reach = widest if stage.reach is None else min(stage.reach, widest)
+    if stage.region:
+        told = between_colours(crop, lines, length, reach)
+        even = reach * (reach + 1) / 3.0
+        weight = np.clip(1.0 / (told.variance + 0.25) - 1.0 / (even + 0.25), 0.0, 2.0) * np.clip(4.0 * told.apart, 0, 1)
+        yield _of_lines(crop, lines, middle, told.off, stage.region * weight / 3.0)
+    if stage.edges:
+        for some in (lines, creases_of(crop, drawn, slack)):
+            if len(some):
+                off, _ = on_edges(crop, some, reach)
+                found = off < NOWHERE
+                weight = stage.edges * found / (1.0 + (np.where(found, off, 0.0) / 1.5) ** 2) ** 2 / 3.0
+                yield _of_lines(crop, some, middle, np.where(found, off, 0.0), weight)
+    if stage.print_:
+        blocks = squares_of(crop, drawn, slack, max(6, round(crop.size / 5.0)), 5)
+        if len(blocks.count):
+            yield _of_print(crop, drawn, blocks, middle, stage.print_)
+
+
+def _of_lines(crop: Crop, lines: Lines, middle: Floats, off: Floats, weight: Floats) -> tuple[Floats, Floats]:
+    """Lines that ought to be ``off`` (N,) pixels farther along, of a weight (N,) each."""
+    slopes = _moving(crop, lines.at[:, 0], lines.at[:, 1], lines.depth, middle)
+    along = (lines.across[:, :, None] * slopes).sum(axis=1)
+    weighted = along * weight[:, None]
+    return weighted.T @ along, weighted.T @ off
+
+
+def _moving(crop: Crop, x: Floats, y: Floats, depth: Floats, middle: Floats) -> Floats:
+    """(N, 2, 6): by how many pixels the surface at pixels moves with each part of a step."""
+    fx, fy, cx, cy = crop.K[0, 0], crop.K[1, 1], crop.K[0, 2], crop.K[1, 2]
+    px, py = (x - cx) / fx * depth, (y - cy) / fy * depth
+    d = np.column_stack([px, py, depth]) - middle
+    zero = np.zeros(len(x))
+    u = np.stack([fx / depth, zero, -fx * px / depth**2], axis=1)
+    v = np.stack([zero, fy / depth, -fy * py / depth**2], axis=1)
+    both = np.stack([u, v], axis=1)
+    return np.concatenate([np.cross(d[:, None, :], both), both], axis=2)
+
+
+ODD = 1.5
+"""Standard deviations beyond which a pixel's print counts less."""
+
+
+def _of_print(crop: Crop, drawn: Drawn, blocks: Blocks, middle: Floats, weight: float) -> tuple[Floats, Floats]:
+    """The print's: the drawn moves over the photo, with a gain and an offset of each square."""
+    shown = smoothed(drawn)
+    slope = np.stack(
+        [cv2.Scharr(shown, cv2.CV_32F, *way)[blocks.y, blocks.x] / 32.0 for way in ((1, 0), (0, 1))], axis=2
+    )
+    moving = _moving(crop, blocks.x.astype(float), blocks.y.astype(float), drawn.depth[blocks.y, blocks.x], middle)
+    gain = blocks.gains[blocks.square]
+    jacobian = (slope * gain[..., None]) @ moving
+    off = gain * blocks.drawn - blocks.photo
+    flat = np.concatenate([jacobian.reshape(len(off), -1), off], axis=1)
+    flat -= blocks.means(flat)[blocks.square]
+    jacobian, off = flat[:, :-3].reshape(jacobian.shape), flat[:, -3:]
+    n = blocks.count[:, None]
+    variance = np.maximum((n * blocks.left).sum(axis=0) / n.sum(), 2.0)
+    trust = 1.0 / (variance * (1.0 + off**2 / (variance * ODD**2)) ** 2)
+    weighted = jacobian * trust[..., None]
+    share = weight / ALIKE
+    flat_jacobian = jacobian.reshape(-1, 6)
+    return share * weighted.reshape(-1, 6).T @ flat_jacobian, share * weighted.reshape(-1, 6).T @ off.ravel()

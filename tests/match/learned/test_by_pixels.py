@@ -1,0 +1,97 @@
+"""Learned types where the photo is known: its pixels move poses and count as evidence; without it nothing changes."""
+
+import numpy as np
+import pytest
+from painted_cube import CAMERA, CORNER, cloud, cube, picture, pose_towards, seen, write_knowledge
+
+from geometry.frames import transform_points
+from kb.files.read import read_kb
+from plogic.base.clock import Stopwatch
+from plogic.cycle.delta import Options
+from plogic.facts.interpretation import text_of
+from plogic.match.judged.evidence import SUREST_MISSED, evidence
+from plogic.run.perceive import Perceiver
+from sensing.detectors.detector import detect
+
+TRUE = pose_towards(CORNER, 0.60, 0.0, (0.0, 0.0))
+
+
+@pytest.fixture(scope="module")
+def perceiver(tmp_path_factory):
+    return Perceiver(read_kb(write_knowledge(tmp_path_factory.mktemp("kb"), {"cube": cloud(seen())})))
+
+
+def gamma_of(perceiver, image):
+    return detect(image, CAMERA, perceiver.kb.appearance_types, perceiver.kb.words)
+
+
+def accepted(perceiver, gamma, image=None):
+    data, cycle = perceiver.cycle(gamma, Options(), Stopwatch(), image=image)
+    return data, list(cycle.accepted)
+
+
+def off(pose):
+    vertices = cube().vertices
+    apart = transform_points(pose, vertices) - transform_points(TRUE, vertices)
+    return np.linalg.norm(apart, axis=1).mean() / np.linalg.norm(np.ptp(vertices, axis=0))
+
+
+@pytest.mark.parametrize("seed", [3, 4, 5])
+def test_the_pose_is_at_least_as_good_and_says_how_well_pixels_fit(perceiver, seed):
+    image = picture([TRUE], seed=seed)
+    gamma = gamma_of(perceiver, image)
+    (_, [without]), (_, [with_it]) = accepted(perceiver, gamma), accepted(perceiver, gamma, image)
+    assert without.pixels is None
+    assert with_it.pixels is not None
+    assert with_it.pixels > 8.0
+    assert off(with_it.camera_from_object) < max(0.01, off(without.camera_from_object))
+
+
+def test_evidence_has_the_pixels_once(perceiver):
+    """``worth`` and ``surplus`` without them, and what they add; what is missed costs nothing besides."""
+    image = picture([TRUE], seed=3)
+    data, [found] = accepted(perceiver, gamma_of(perceiver, image), image)
+    bare, whole = evidence(found.told(pixels=None), data, perceiver.kb), evidence(found, data, perceiver.kb)
+    assert bare.surplus > 0.0
+    assert whole.surplus - bare.surplus == pytest.approx(found.pixels)
+    assert whole.ratio - bare.ratio == pytest.approx(found.pixels)
+    nothing = found.told(pixels=-3.0, matches=np.full(len(found.uv), -1), residual=np.full(len(found.uv), np.nan))
+    missed = evidence(nothing.told(pixels=None), data, perceiver.kb)
+    assert missed.surplus < SUREST_MISSED
+    assert evidence(nothing, data, perceiver.kb).surplus == pytest.approx(SUREST_MISSED - 3.0)
+
+
+def test_a_photo_of_something_else_costs_what_only_keypoints_see(perceiver):
+    """Γ of the cube with a photo in which it is not: the pixels speak against it, and nothing is accepted."""
+    image = picture([TRUE], seed=3)
+    other = np.random.default_rng(1).integers(0, 255, image.shape, dtype=np.uint8)
+    _, found = accepted(perceiver, gamma_of(perceiver, image), other)
+    assert found == [] or max(h.pixels for h in found) < 0.0
+
+
+def test_a_pixel_counts_once_for_what_stands_in_front(perceiver):
+    """A hypothesis behind the cube, of the same outline and print, is told with the cube masked: nothing is left."""
+    image = picture([TRUE], seed=3)
+    data, [found] = accepted(perceiver, gamma_of(perceiver, image), image)
+    index = perceiver.models["cube"]
+    farther = TRUE.copy()
+    farther[:3, 3] *= 1.3
+    behind = index.settle(farther, data, perceiver.kb, rounds=0).told(pixels=30.0)
+    assert index.beside(behind, [], data).pixels == 30.0
+    assert abs(index.beside(behind, [found], data).pixels) < 3.0
+    assert index.beside(found, [behind], data).pixels == pytest.approx(found.pixels, abs=3.0)
+
+
+def test_the_same_photo_gives_the_same_bytes(perceiver):
+    image = picture([TRUE], seed=3)
+    gamma = gamma_of(perceiver, image)
+    one, two = (text_of(perceiver(gamma, Options(), image)) for _ in range(2))
+    assert one == two
+
+
+def test_copies_of_the_process_come_to_the_same(perceiver):
+    image = picture([TRUE], seed=3)
+    gamma, two = gamma_of(perceiver, image), Perceiver(perceiver.kb, processes=2)
+    (_, [one]), (_, [other]) = (accepted(some, gamma, image) for some in (perceiver, two))
+    assert np.array_equal(one.camera_from_object, other.camera_from_object)
+    assert one.pixels == other.pixels

@@ -1,0 +1,183 @@
+"""A painted cube in pictures of another renderer: poses put wrong on purpose come back, and what is absent is told."""
+
+from dataclasses import replace
+
+import cv2
+import numpy as np
+import pytest
+from painted_cube import CAMERA, CORNER, cube, picture, pose_towards
+from scipy.spatial.transform import Rotation
+
+from geometry.camera import Camera
+from geometry.frames import inverse, transform_points
+from kb.surfaces.surface import Surface
+from sensing.pixels.crop import crop_of
+from sensing.pixels.drawn import Paint
+from sensing.pixels.energy import NO_FIT, choice, fit_of
+from sensing.pixels.photo import Photo
+from sensing.pixels.refine import FINE, different, moved, refined, starts_about
+
+TRUE = pose_towards(CORNER, 0.60, 0.0, (0.0, 0.0))
+
+
+@pytest.fixture(scope="module")
+def paint():
+    return Paint(cube())
+
+
+@pytest.fixture(scope="module")
+def photo():
+    return Photo(picture([TRUE], seed=3), CAMERA)
+
+
+def off(paint, pose, truth=TRUE):
+    """ADD, in diameters."""
+    vertices = paint.mesh.vertices
+    apart = transform_points(pose, vertices) - transform_points(truth, vertices)
+    return np.linalg.norm(apart, axis=1).mean() / paint.diameter
+
+
+def disturbed(paint, turn=(0.0, 0.0, 0.0), shift=(0.0, 0.0, 0.0)):
+    return moved(TRUE, paint.middle, np.concatenate([np.radians(turn), shift]))
+
+
+@pytest.mark.parametrize(
+    ("turn", "shift"),
+    [
+        ((0, 0, 0), (0, 0, 0)),
+        ((0, 0, 0), (0, 0, 0.048)),
+        ((0, 0, 0), (0, 0, -0.048)),
+        ((0, 0, 0), (0.006, -0.006, 0)),
+        ((10, 0, 0), (0, 0, 0)),
+        ((0, -10, 4), (0, 0, 0.03)),
+    ],
+)
+def test_a_pose_that_is_off_comes_back(paint, photo, turn, shift):
+    """8 % of the distance, 7 px across, 10° of tilt, and both."""
+    pose, fit = refined(photo, paint, disturbed(paint, turn, shift))
+    assert off(paint, pose) < 0.02
+    assert fit.odds > 8.0
+
+
+def test_the_start_is_kept_where_nothing_fits_better(paint):
+    """In a picture without it there is nothing to find, and that is told."""
+    empty = Photo(np.random.default_rng(0).integers(0, 255, (CAMERA.height, CAMERA.width, 3), dtype=np.uint8), CAMERA)
+    found = refined(empty, paint, TRUE)
+    assert found is not None
+    assert found[1].odds < 0.0
+
+
+def test_the_right_pose_fits_better_than_wrong_ones(paint, photo):
+    crop = crop_of(photo, paint, TRUE, FINE)
+    wrong = [
+        disturbed(paint, (0, 0, 0), (0, 0, 0.03)),
+        disturbed(paint, (15, 0, 0)),
+        disturbed(paint, (0, 0, 90)),
+        disturbed(paint, (180, 0, 0)),
+    ]
+    best, scores = choice([fit_of(crop, paint, pose) for pose in (*wrong, TRUE)])
+    assert best == len(wrong)
+    assert scores[best] > max(scores[:best]) + 3.0
+
+
+def test_another_print_on_the_same_shape_is_not_it(photo):
+    """Its outline fits, its print does not."""
+    from painted_cube import paint as print_of
+
+    other = Paint(replace(cube(), texture=print_of(seed=77)))
+    own = Paint(cube())
+    crop = crop_of(photo, own, TRUE, FINE)
+    mine, its = (fit_of(crop, some, TRUE) for some in (own, other))
+    assert its.edges > 0.5
+    assert its.correlation < 0.5 * mine.correlation
+    assert its.odds < 0.0
+    assert mine.odds > 8.0
+
+
+def test_what_is_before_it_tells_nothing_against_it(paint):
+    """Half of the cube is behind another one: with that known, the pose fits, and more so than without."""
+    near = pose_towards(CORNER, 0.45, 0.3, (0.10, 0.0))
+    photo = Photo(picture([TRUE, near], seed=4), CAMERA)
+    surface = Surface(paint.mesh.vertices, paint.mesh.triangles)
+    told, untold = (
+        fit_of(crop_of(photo, paint, TRUE, FINE, before), paint, TRUE) for before in ([(surface.rays, near)], [])
+    )
+    assert told.visible < 0.8 < untold.visible
+    assert told.edges > untold.edges
+    assert told.correlation > untold.correlation
+    assert told.odds > 5.0
+
+
+def test_light_and_white_balance_change_little(paint, photo):
+    """A gain and an offset for each channel, and a shade across the picture."""
+    shade = np.linspace(0.6, 1.1, CAMERA.width)[None, :, None]
+    image = np.clip(photo.image * shade * [0.8, 1.0, 1.15] + 8.0, 0, 255).astype(np.uint8)
+    pose, fit = refined(Photo(image, CAMERA), paint, disturbed(paint, (0, 0, 0), (0, 0, 0.03)))
+    assert off(paint, pose) < 0.02
+    assert fit.odds > 8.0
+
+
+def test_the_same_input_gives_the_same_pose(photo):
+    one, two = (refined(photo, Paint(cube()), disturbed(Paint(cube()), (5, 0, 0))) for _ in range(2))
+    assert np.array_equal(one[0], two[0])
+    assert one[1] == two[1]
+
+
+def test_a_lens_is_taken_out(paint, photo):
+    """The part of a distorted photo is that of OpenCV's undistorted one."""
+    lens = np.array([-0.25, 0.06, 0.001, -0.002, 0.0])
+    size = (CAMERA.width, CAMERA.height)
+    ideal = Camera(*size, CAMERA.K)
+    bent = Camera(*size, CAMERA.K, lens)
+    grid = np.stack(np.meshgrid(np.arange(size[0]), np.arange(size[1])), -1).astype(float)
+    rays = np.concatenate([bent.normalised(grid), np.ones((*grid.shape[:2], 1))], axis=-1)
+    at = ideal.project(rays).astype(np.float32)
+    distorted = cv2.remap(photo.image, at[..., 0], at[..., 1], cv2.INTER_CUBIC, borderMode=cv2.BORDER_REPLICATE)
+    straight = cv2.undistort(distorted, CAMERA.K, lens)
+    one = crop_of(Photo(distorted, bent), paint, TRUE, FINE)
+    two = crop_of(Photo(straight, ideal), paint, TRUE, FINE)
+    assert np.abs(one.lab - two.lab).mean() < 0.5
+    pose, _ = refined(Photo(distorted, bent), paint, disturbed(paint, (0, 0, 0), (0, 0, 0.03)))
+    assert off(paint, pose) < 0.02
+
+
+def test_out_of_sight_there_is_nothing_to_say(paint, photo):
+    aside = disturbed(paint, (0, 0, 0), (3.0, 0, 0))
+    behind = disturbed(paint, (0, 0, 0), (0, 0, -1.2))
+    assert refined(photo, paint, aside) is None
+    assert refined(photo, paint, behind) is None
+    assert fit_of(crop_of(photo, paint, TRUE, FINE), paint, aside) == NO_FIT
+
+
+def test_a_step_turns_about_the_middle(paint):
+    step = np.array([0.1, -0.2, 0.3, 0.01, 0.02, -0.03])
+    pose = moved(TRUE, paint.middle, step)
+    middle = transform_points(TRUE, paint.middle[None])[0]
+    assert transform_points(pose, paint.middle[None])[0] == pytest.approx(middle + step[3:])
+    assert pose[:3, :3] @ TRUE[:3, :3].T == pytest.approx(Rotation.from_rotvec(step[:3]).as_matrix())
+    assert moved(TRUE, paint.middle, np.zeros(6)) == pytest.approx(TRUE)
+
+
+def test_starts_lie_about_the_pose_and_equal_ones_are_one(paint):
+    starts = starts_about(TRUE, paint)
+    assert len(different(starts, paint)) == len(starts) == 7
+    assert len(different([TRUE, starts[0], TRUE, starts[1]], paint)) == 2
+    depths = sorted(transform_points(start, paint.middle[None])[0, 2] for start in starts)
+    assert depths[-1] / depths[0] == pytest.approx(1.06 / 0.94)
+
+
+def test_drawn_depth_is_that_of_rays_and_outside_there_is_none(paint):
+    """Oracle: the cube's own ray structure, asked pixel by pixel."""
+    drawn = paint.drawn(TRUE, CAMERA.K, (CAMERA.width, CAMERA.height))
+    v, u = np.nonzero(drawn.mask)
+    some = np.random.default_rng(1).choice(len(u), 200, replace=False)
+    rays = CAMERA.rays(np.column_stack([u, v])[some])
+    object_from_camera = inverse(TRUE)
+    surface = Surface(paint.mesh.vertices, paint.mesh.triangles)
+    far = surface.rays.first_hit(object_from_camera[:3, 3][None], rays @ object_from_camera[:3, :3].T)
+    assert drawn.depth[v, u][some] == pytest.approx(far * rays[:, 2], rel=1e-6)
+    box = paint.box(TRUE, CAMERA.K)
+    assert u.min() >= box[0, 0] - 1
+    assert u.max() <= box[1, 0] + 1
+    assert np.isinf(drawn.depth[0, 0])
+    assert not drawn.colour[0, 0].any()
