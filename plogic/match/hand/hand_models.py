@@ -28,7 +28,7 @@ from plogic.match.hand.place_votes import Coarse
 from plogic.match.hand.view_cells import ViewCells, view_cells
 from plogic.match.judged.evidence import sigmas_of
 from plogic.match.judged.expectation import matched, polished, pose_of, settled
-from plogic.match.judged.type_models import SURE, Found, Given, Ranks, Request, Search, Setup, TypeModel, TypeModels
+from plogic.match.judged.type_models import SURE, Found, Given, Ranks, Request, Search, Setup, TypeModels
 from plogic.measures.distinctiveness import compatible, rank
 
 CELLS_TRIED = 24
@@ -43,7 +43,7 @@ ANCHORS = 16
 
 
 @dataclass(frozen=True)
-class TypeIndex(TypeModel):
+class TypeIndex:
     """One type made ready for search.
 
     ``points`` (F, 3) metres; ``weights`` (F,) dv; ``anchors`` feature indices, the most distinctive; ``links`` (N, 2)
@@ -156,6 +156,10 @@ class TypeIndex(TypeModel):
         home = better(posed, HOME) if rounds > 1 else None
         there = posed if home is None else match(home)
         return there if np.array_equal(there.matches, posed.matches) else posed
+
+    def beside(self, posed: Hypothesis, others: Sequence[Hypothesis], data: Data) -> Hypothesis:  # noqa: ARG002 - its protocol's
+        """What is matched says all of it."""
+        return posed
 
     def significance(self, posed: Hypothesis) -> float:
         """By places alone the best of so many tries is good by luck: as many as there are pairs of data.
