@@ -72,7 +72,7 @@ def learn_command(kb_folder: str, names: Sequence[str], options: Learning, *, sa
             work.step(DIRECTIONS)
             rows[-1]["symmetries"] = symmetry_rows(found[file]) if file in found else None
         if rows:
-            work.at(f"{len(clouds)} types: words")
+            work.at("words of all types")
             words, clouds = worded(clouds, options.seed)
     _tell_left_out(left_out, nothing=not rows and (bool(names) or not any(kind.features for kind in kb.types)), say=say)
     if rows:
