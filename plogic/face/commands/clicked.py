@@ -161,7 +161,9 @@ def watch(source: str, kb_folder: str, **options: Any) -> None:  # noqa: ANN401 
     "-o", "--out", required=True, help="Results file (CSV) to write; `-` is stdout, and scores then go to stderr."
 )
 @click.option(
-    "--ids", type=click.Path(), help='BOP numbers of the types as JSON, {"003_cracker_box": 2}; names of its models_info.json and obj_000002 need none.'
+    "--ids",
+    type=click.Path(),
+    help='BOP numbers of the types as JSON, {"003_cracker_box": 2}; obj_000002 and the dataset\'s own names need none.',
 )
 @click.option(
     "--times",
