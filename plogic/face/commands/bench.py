@@ -9,7 +9,19 @@ import click
 
 from plogic.face.shown.options import AS_JSON, SEED, Number, emit, say
 
-SIZED = "watch", "places", "sizes", "scale", "panorama", "stereo", "constancy", "look-again", "occlusion", "attention"
+SIZED = (
+    "watch",
+    "photos",
+    "places",
+    "sizes",
+    "scale",
+    "panorama",
+    "stereo",
+    "constancy",
+    "look-again",
+    "occlusion",
+    "attention",
+)
 COMPARED = "towers", "worlds", "programs", "recognition", "box", "clutter", "many", "calibration", "batch", "start"
 BENCHES = *COMPARED, *SIZED
 

@@ -1,0 +1,105 @@
+"""One photo's answers against its truth: who is right, who is found, what was accepted falsely.
+
+* ``There``: an object that is there; ``Answered``: one that was accepted
+* ``right``: ADD, of symmetric types ADD-S, below a tenth of the diameter; ``found``: outlines' intersection over union
+  at least 0.7 (within the picture; depth within half as much again)
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, fields
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from plogic.run.bop.recalls import add, add_s
+from sensing.pixels.crop import depth_of
+
+if TYPE_CHECKING:
+    from collections.abc import Collection, Mapping, Sequence
+
+    from geometry.arrays import Floats
+    from geometry.camera import Camera
+    from geometry.visibility.rays import RayMesh
+    from plogic.run.bop.models import Model
+
+RIGHT = 0.1
+"""Diameters of ADD or ADD-S below which a pose is right."""
+OUTLINED = 0.7
+"""Intersection over union of the outlines from which it is found."""
+POINTS = 1000
+"""Of a model, evenly chosen, that errors are taken over."""
+
+
+@dataclass(frozen=True, eq=False)
+class Posed:
+    """A type by its BOP number, and ``camera_from_object`` (4, 4)."""
+
+    obj_id: int
+    camera_from_object: Floats
+
+
+@dataclass(frozen=True)
+class Counts:
+    """Objects there; of them right, found, and with an accepted one of their type; accepted of types not there."""
+
+    there: int = 0
+    right: int = 0
+    found: int = 0
+    accepted: int = 0
+    false: int = 0
+
+    def __add__(self, other: Counts) -> Counts:
+        """Of both together."""
+        return Counts(*(getattr(self, f.name) + getattr(other, f.name) for f in fields(self)))
+
+    @property
+    def precision(self) -> float:
+        """Share of what was accepted that is found; 1 of none."""
+        return self.found / (self.accepted + self.false) if self.accepted + self.false else 1.0
+
+
+def error_of(answer: Posed, truth: Posed, model: Model) -> float:
+    """ADD, of a symmetric model ADD-S, in diameters."""
+    points = model.points[:: max(1, len(model.points) // POINTS)]
+    measure = add_s if model.symmetric else add
+    one, other = (some.camera_from_object[None] for some in (answer, truth))
+    return float(np.ravel(measure(one, other, points))[0]) / model.diameter
+
+
+def overlap_of(answer: Posed, truth: Posed, surface: RayMesh, camera: Camera) -> float:
+    """Intersection over union of the outlines, whole, whatever hides them."""
+    size = camera.width, camera.height
+    one, other = (np.isfinite(depth_of(surface, some.camera_from_object, camera.K, size)) for some in (answer, truth))
+    return float((one & other).sum() / max(int((one | other).sum()), 1))
+
+
+def counted(
+    answers: Sequence[Posed],
+    truths: Sequence[Posed],
+    unposed: Collection[int],
+    models: Mapping[int, Model],
+    surfaces: Mapping[int, RayMesh],
+    camera: Camera,
+) -> tuple[Counts, list[tuple[int, float | None, float | None]]]:
+    """One photo's counts; and of each truth its error and its overlap, None where nothing of its type was accepted.
+
+    ``unposed``: types that are there without a pose: what is accepted of them is neither right nor false.
+    """
+    rows: list[tuple[int, float | None, float | None]] = []
+    right = found = 0
+    for truth in truths:
+        own = [answer for answer in answers if answer.obj_id == truth.obj_id]
+        best = min(own, key=lambda answer: error_of(answer, truth, models[truth.obj_id]), default=None)
+        if best is None:
+            rows.append((truth.obj_id, None, None))
+            continue
+        error = error_of(best, truth, models[truth.obj_id])
+        overlap = overlap_of(best, truth, surfaces[truth.obj_id], camera)
+        rows.append((truth.obj_id, error, overlap))
+        right += error < RIGHT
+        found += overlap >= OUTLINED or error < RIGHT
+    posed = {truth.obj_id for truth in truths}
+    accepted = sum(answer.obj_id in posed for answer in answers)
+    false = sum(answer.obj_id not in posed and answer.obj_id not in unposed for answer in answers)
+    return Counts(len(truths), right, found, accepted, false), rows
