@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING, TypeAlias
 
 import numpy as np
 
+from geometry.frames import transform_points
 from geometry.visibility.rays import RayMesh
 from plogic.match.judged.evidence import evidence
 from plogic.match.judged.expectation import FEWEST
@@ -24,6 +25,7 @@ if TYPE_CHECKING:
     from plogic.facts.hypothesis import Hypothesis
     from plogic.match.gamma.data import Data
     from plogic.match.learned.learned_models import LearnedIndex
+    from sensing.pixels.drawn import Paint
 
 Before: TypeAlias = tuple[RayMesh, np.ndarray]
 """A surface that may hide pixels, and its pose (4, 4)."""
@@ -47,7 +49,7 @@ def by_pixels(
     """Of refined poses (N, 4, 4), best first, those that the pixels speak for, moved to where these fit best."""
     from sensing.pixels.crop import crop_of
     from sensing.pixels.energy import fit_of
-    from sensing.pixels.refine import COARSE, refined
+    from sensing.pixels.refine import CLOSE, COARSE, refined
 
     photo, paint = data.photo, index.paint
     assert photo is not None  # noqa: S101 - the caller looked
@@ -61,13 +63,23 @@ def by_pixels(
             screened.append((fit_of(crop, paint, pose).score if crop is not None else -np.inf, pose, value))
     hopeful = [row for row in screened if row[0] >= PROMISING or row[2] >= WORTHY]
     found = []
-    for _, pose, _ in sorted(hopeful, key=lambda row: -row[0])[:FITTED]:
+    tried: list[tuple[float, Floats]] = []
+    for score, pose, _ in sorted(hopeful, key=lambda row: -row[0])[:FITTED]:
+        if any(score < best - CLOSE and _in_one_place(paint, pose, other) for best, other in tried):
+            continue
+        tried.append((score, pose))
         at = refined(photo, paint, index.settle(pose, data, kb, rounds=2).camera_from_object, before)
         if at is not None:
             moved = index.settle(at[0], data, kb, rounds=0).told(pixels=at[1].odds)
             if (moved.candidate & moved.detected).sum() >= FEWEST:
                 found.append((evidence(moved, data, kb).ratio, moved))
     return distinct(found, index.object_type)
+
+
+def _in_one_place(paint: Paint, pose: Floats, other: Floats) -> bool:
+    """Whether the middles of two poses (4, 4) are so near that only one of them can be."""
+    apart = transform_points(pose, paint.middle[None]) - transform_points(other, paint.middle[None])
+    return float(np.linalg.norm(apart)) < 0.5 * paint.diameter
 
 
 def hiding(others: Sequence[Hypothesis]) -> list[Before]:
