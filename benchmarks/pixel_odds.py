@@ -7,8 +7,8 @@ absent types pass ``PROMISING`` before they are refined. Types that ``present.js
 neither.
 """
 
+import argparse
 import json
-import sys
 from pathlib import Path
 from typing import NamedTuple
 
@@ -133,4 +133,8 @@ def main(kb_folder: str, scene: Path) -> None:
 
 
 if __name__ == "__main__":
-    main(sys.argv[1], Path(sys.argv[2]))
+    parser = argparse.ArgumentParser(description=(__doc__ or "").partition("\n")[0])
+    parser.add_argument("kb", metavar="KB")
+    parser.add_argument("scene", type=Path, metavar="SCENE")
+    asked = parser.parse_args()
+    main(asked.kb, asked.scene)

@@ -116,12 +116,12 @@ def shape(mesh):
 
 
 ROBOTS = {
-    "long.urdf": (shape(f'<mesh filename="{LONG}.obj"/>'), "holds no visible shape: the mesh 'nnn"),
+    "long.urdf": (shape(f'<mesh filename="{LONG}.obj"/>'), "link 'b': the mesh 'nnn"),
     "package.urdf": (
         shape(f'<mesh filename="package://{LONG}/m.obj"/>'),
-        "holds no visible shape: the mesh 'package://nnn",
+        "link 'b': the mesh 'package://nnn",
     ),
-    "loop.urdf": (shape('<mesh filename="loop.obj"/>'), "holds no visible shape: the mesh 'loop.obj'"),
+    "loop.urdf": (shape('<mesh filename="loop.obj"/>'), "link 'b': the mesh 'loop.obj'"),
     "deep.sdf": (
         "<sdf>" + "<model>" * 5000 + "</model>" * 5000 + "</sdf>",
         "its elements are nested deeper than 60 levels",
