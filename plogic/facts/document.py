@@ -143,6 +143,11 @@ class Verdict(TypedDict):
     log_likelihood_ratio: NotRequired[
         Annotated[float, "Natural logarithm of how many times more probable the data are with it than without."]
     ]
+    pixels: NotRequired[
+        Annotated[
+            float, "What the photo's pixels add to that logarithm; there is no such key where they were not asked."
+        ]
+    ]
     support: NotRequired[Annotated[dict[Name, Cells], "The four cells by feature type."]]
     outline: NotRequired[Annotated[list[list[Point2]], "Polygons of its outline, pixels."]]
     probability: NotRequired[Annotated[Slightly, "Probability that it is present."]]

@@ -134,6 +134,7 @@ def _hypothesis(h: HypothesisRow) -> Hypothesis:
         group=h["group"],
         features=tuple(_feature(f) for f in h["features"]),
         parts=tuple(PartFact(p["id"], p["parent"], p["kind"], p["type"]) for p in h["parts"]),
+        pixels=h.get("pixels"),
     )
 
 

@@ -222,6 +222,8 @@ def _verdict(belief: Hypothesis, gamma: Gamma, dv: Mapping[str, float]) -> Verdi
         "log_likelihood_ratio": belief.worth,
         "support": support_document(posed, dv),
     }
+    if belief.pixels is not None:
+        verdict["pixels"] = belief.pixels
     if missing is not None:
         verdict["left_out"] = missing
     verdict["outline"] = outline_rings(posed, gamma.camera)

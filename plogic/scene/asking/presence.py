@@ -102,7 +102,7 @@ def presence(situation: Situation, name: str, world: Sequence[str]) -> tuple[str
     told = _score(view) if situation.reading == "score" else _posterior(view)
     beside = ", ".join(w for w in world if w != name) or "no other"
     where = f"{name} is a {view.h.type}; in the most probable world that holds it, beside {beside}:"
-    return (where, *told, *_held(view), *_excluded(view))
+    return (where, *told, *_pixels(view), *_held(view), *_excluded(view))
 
 
 def _score(view: View) -> Iterator[str]:
@@ -121,6 +121,19 @@ def _score(view: View) -> Iterator[str]:
         if case in by_case:
             yield f"  {mark}: {SAID[case]}: {_by_type(by_case[case], name_all=case in 'CD')}"
     yield from _hiding(view, seen)
+
+
+def _pixels(view: View) -> Iterator[str]:
+    """What the photo's pixels say, where they were asked (§9.10)."""
+    fit = view.h.pixels
+    if fit is not None:
+        mark, how = ("for", "is") if fit > 0.0 else ("against", "is not")
+        where = (
+            "told with what is detected"
+            if view.scene.situation.reading == "posterior"
+            else "it is accepted by that, P(ev) is not"
+        )
+        yield f"  {mark}: drawn at its pose it {how} what the photo shows, by outline, colours and print: {fit:+.3g} in log-odds, {where}"
 
 
 def _by_type(features: list[FeatureFact], *, name_all: bool) -> str:

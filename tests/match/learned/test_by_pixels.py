@@ -8,9 +8,10 @@ from geometry.frames import transform_points
 from kb.files.read import read_kb
 from plogic.base.clock import Stopwatch
 from plogic.cycle.delta import Options
-from plogic.facts.interpretation import text_of
+from plogic.facts.interpretation import situation_of, text_of
 from plogic.match.judged.evidence import SUREST_MISSED, evidence
 from plogic.run.perceive import Perceiver
+from plogic.scene.asking.explanations import present
 from sensing.detectors.detector import detect
 
 TRUE = pose_towards(CORNER, 0.60, 0.0, (0.0, 0.0))
@@ -80,6 +81,26 @@ def test_a_pixel_counts_once_for_what_stands_in_front(perceiver):
     assert index.beside(behind, [], data).pixels == 30.0
     assert abs(index.beside(behind, [found], data).pixels) < 3.0
     assert index.beside(found, [behind], data).pixels == pytest.approx(found.pixels, abs=3.0)
+
+
+@pytest.mark.parametrize(
+    ("reading", "says"), [("posterior", "told with what is detected"), ("score", "accepted by that")]
+)
+def test_the_document_and_the_explanation_have_it(perceiver, reading, says):
+    image = picture([TRUE], seed=3)
+    gamma = gamma_of(perceiver, image)
+    document = perceiver(gamma, Options(reading=reading), image)
+    (row,) = [h for h in document["hypotheses"] if h["status"] == "accepted"]
+    assert row["pixels"] > 8.0
+    situation = situation_of(document)
+    assert situation.hypotheses[0].pixels == row["pixels"]
+    (line,) = [line for line in present(situation, "present(h1)").summary if "photo" in line]
+    assert line.startswith("  for: drawn at its pose it is what the photo shows")
+    assert f"{row['pixels']:+.3g} in log-odds, " in line
+    assert says in line
+    without = perceiver(gamma, Options(reading=reading))
+    assert all("pixels" not in h for h in without["hypotheses"])
+    assert not any("photo" in line for line in present(situation_of(without), "present(h1)").summary)
 
 
 def test_the_same_photo_gives_the_same_bytes(perceiver):
