@@ -90,7 +90,10 @@ def around(uv: Floats, reach: Floats, shape: tuple[int, ...]) -> Mask:
 
     Squares, for the sake of speed.
     """
-    mask, half = np.zeros(shape[:2], np.uint8), np.ceil(reach).astype(int) + 1  # either place is half a pixel off its pixel
+    mask, half = (
+        np.zeros(shape[:2], np.uint8),
+        np.ceil(reach).astype(int) + 1,
+    )  # either place is half a pixel off its pixel
     column, row = (np.clip(np.rint(uv[:, i]).astype(int), 0, shape[1 - i] - 1) for i in (0, 1))
     for one in np.unique(half).tolist():
         dots = np.zeros(shape[:2], np.uint8)

@@ -75,9 +75,7 @@ class EdgePoints:
     rise: Floats
 
 
-def edge_points(
-    image: Bytes, cell: int, most: int, least: float = LEAST, where: Mask | None = None
-) -> EdgePoints:
+def edge_points(image: Bytes, cell: int, most: int, least: float = LEAST, where: Mask | None = None) -> EdgePoints:
     """The strongest point of an edge in each square cell of an image, ``cell`` pixels wide.
 
     At most ``most``, the strongest first.
@@ -93,7 +91,9 @@ def edge_points(
     rise = np.hypot(gx, gy)
     inner = np.zeros(rise.shape, bool)
     inner[BORDER:-BORDER, BORDER:-BORDER] = True
-    if where is not None:  # with all of every cell that it touches, for the strongest there may be where it does not hold
+    if (
+        where is not None
+    ):  # with all of every cell that it touches, for the strongest there may be where it does not hold
         inner &= cv2.dilate(where.astype(np.uint8), np.ones((2 * cell - 1, 2 * cell - 1), np.uint8)) > 0
     y, x = np.nonzero((rise > least) & inner)
     here = rise[y, x].astype(float)

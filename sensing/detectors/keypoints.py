@@ -89,7 +89,9 @@ def keypoints(
     if min(grey.shape) < LEAST_SIDE or grey.min() == grey.max() or most < 1:
         return _arrays([], None, name, grey.shape)
     finder = _sift(contrast, most) if name == "sift" else _orb(contrast, most)
-    mask = None if where is None or name != "sift" else where.astype(np.uint8)  # ORB's mask lets others take their place
+    mask = (
+        None if where is None or name != "sift" else where.astype(np.uint8)
+    )  # ORB's mask lets others take their place
     found, descriptors = finder.detectAndCompute(np.ascontiguousarray(grey), mask)
     strongest = _strongest(
         _arrays(found, None if descriptors is None else np.asarray(descriptors, np.uint8), name, grey.shape), most
