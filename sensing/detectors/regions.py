@@ -90,7 +90,7 @@ def regions(image: Bytes, most: int = MOST, where: Mask | None = None) -> Keypoi
         ((np.array([region.middle for region in chosen]).reshape(-1, 2) + 0.5) * factor - 0.5)[owner],
         angle,
         np.array([2.0 * region.radius for region in chosen])[owner] * float(np.sqrt(factor.prod())),
-        CONTRAST * contrast[order][owner] if len(order) else np.zeros(0),
+        CONTRAST * contrast[order][owner] if order else np.zeros(0),
         shapes,
     )
 
