@@ -169,7 +169,7 @@ STEEP = 0.2
 FLAT = 1.0
 """Pixels of the large picture by which a surface may be off a plane and is that plane."""
 BESIDE = 3
-"""Pixels beside the object at which what is in one picture may be on it by the mean of all, or be its outline's side."""
+"""Pixels beside the object at which what one picture shows may be on it by the mean of all, or be its outline."""
 EDGE = 3
 """Pixels of the large picture that a keypoint must keep from the outline, where depth is that of the background."""
 
