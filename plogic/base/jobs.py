@@ -6,6 +6,7 @@ the interpreter takes one at a time. A fresh process is told everything, and inh
 
 * ``each(done, jobs, 2)``: as ``map``, by this process and one copy
 * ``afresh(done, jobs, 2)``: as ``map``, by two fresh processes
+* ``growing(done, jobs, 2, then)``: so, as they come, with jobs that results make possible
 """
 
 from __future__ import annotations
@@ -13,7 +14,9 @@ from __future__ import annotations
 import os
 import pickle
 import sys
-from contextlib import ExitStack, suppress
+from collections import deque
+from contextlib import ExitStack, closing, suppress
+from itertools import count
 from multiprocessing import Pipe, current_process
 from queue import SimpleQueue
 from threading import Thread
@@ -22,7 +25,7 @@ from typing import TYPE_CHECKING, Any, TypeVar
 from plogic.base.children import Child, Copy, begin, heard, python
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Generator, Iterator, Sequence
+    from collections.abc import Callable, Generator, Iterable, Iterator, Sequence
     from multiprocessing.connection import Connection
 
 Job = TypeVar("Job")
@@ -154,25 +157,67 @@ def afresh(done: Callable[[Job], Result], jobs: Sequence[Job], processes: int) -
     Raises:
         ChildDiedError: A process was killed. Whatever ``done`` raises, in its turn.
     """
-    with ExitStack() as stack:
-        count = min(processes, len(jobs))
-        workers = [
-            _Fresh(stack.enter_context(Child(python("plogic.base.jobs"), folder=".")), done) for _ in range(count)
-        ]
-        left, results = iter(enumerate(jobs)), dict[int, tuple[bool, Any]]()
-        for worker in workers:
-            worker.take(next(left, None))
+    results = dict[int, tuple[bool, Any]]()
+    with closing(_answers(done, deque(enumerate(jobs)), processes)) as answers:
         for wanted in range(len(jobs)):
             while wanted not in results:
-                speaking = heard([worker.child for worker in workers if worker.job is not None], None)
-                for worker in workers:
-                    if worker.child in speaking and (answer := worker.answer()) is not None:
-                        results[answer[0]] = answer[1]
-                        worker.take(next(left, None))
+                number, answer = next(answers)
+                results[number] = answer
             good, result = results.pop(wanted)
             if not good:
                 raise result
             yield result
+
+
+def growing(
+    done: Callable[[Job], Result],
+    jobs: Iterable[Job],
+    processes: int,
+    then: Callable[[Job, Result], Iterable[Job]],
+) -> None:
+    """Do jobs by so many fresh processes, as ``afresh`` does, and those that ``then`` gives for each result first.
+
+    ``then`` is called here, as results come; who is idle is at work meanwhile.
+
+    Raises:
+        ChildDiedError: A process was killed. Whatever ``done`` raises.
+    """
+    numbers = count()
+    begun = dict(zip(numbers, jobs, strict=False))
+    left = deque(begun.items())
+    with closing(_answers(done, left, processes)) as answers:
+        for number, (good, result) in answers:
+            if not good:
+                raise result
+            more = dict(zip(numbers, list(then(begun.pop(number), result)), strict=False))
+            begun |= more
+            left.extendleft(reversed(more.items()))
+
+
+def _answers(
+    done: Callable[[Job], Any], left: deque[tuple[int, Job]], processes: int
+) -> Generator[tuple[int, tuple[bool, Any]]]:
+    """Number, and whether it succeeded with what it gave or raised, of each job that is ``left``, as they come.
+
+    More may be put there meanwhile.
+    """
+    with ExitStack() as stack:
+        workers = [
+            _Fresh(stack.enter_context(Child(python("plogic.base.jobs"), folder=".")), done)
+            for _ in range(min(processes, len(left)))
+        ]
+        while True:
+            for worker in workers:
+                if worker.job is None and left:
+                    worker.take(left.popleft())
+            busy = [worker for worker in workers if worker.job is not None]
+            if not busy:
+                return
+            speaking = heard([worker.child for worker in busy], None)
+            for worker in busy:
+                if worker.child in speaking and (answer := worker.answer()) is not None:
+                    worker.take(None)
+                    yield answer
 
 
 class _Fresh:

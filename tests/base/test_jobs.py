@@ -13,7 +13,7 @@ import pytest
 from fresh_jobs import dies, half, resolved
 
 from plogic.base import jobs
-from plogic.base.jobs import ChildDiedError, afresh, each, processors
+from plogic.base.jobs import ChildDiedError, afresh, each, growing, processors
 
 HERE = os.getpid()
 
@@ -137,6 +137,23 @@ def test_fresh_processes_answer_in_the_order_of_the_jobs(some):
     assert [answer for answer, _ in answers] == [number / 2 for number in range(7)]
     assert len({pid for _, pid in answers} - {HERE}) == some
     assert list(afresh(half, [], some)) == []
+
+
+def test_a_result_may_ask_for_more_and_that_is_done_next(some):
+    """Each number asks for the two that follow on its double, up to a bound; with one process, before all others."""
+    came = []
+
+    def then(job, result):
+        came.append((job, result[0]))
+        return [2 * job, 2 * job + 1] if job < 3 else []
+
+    growing(half, [1, 9], some, then)
+    assert sorted(came) == [(job, job / 2) for job in (1, 2, 3, 4, 5, 9)]
+    if some == 1:
+        assert [job for job, _ in came] == [1, 2, 4, 5, 3, 9]
+    with pytest.raises(ValueError, match="7"):
+        growing(half, [6], some, lambda job, _: [job + 1])
+    growing(half, [], some, then)
 
 
 def test_what_a_fresh_process_raises_is_raised_here_in_its_turn(some):
