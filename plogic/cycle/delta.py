@@ -287,6 +287,7 @@ def _hypothesis(
             density=float(near[f]),
             hit_rate=float(hits[f]),
             stands_for=counts(posed, f),
+            learned_rate=None if posed.hit is None else round(float(posed.hit[f]), 4),
         )
         for f, feature in ((f, told_as(posed, f)) for f in told(posed))
     )

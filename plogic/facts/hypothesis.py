@@ -84,9 +84,10 @@ class FeatureFact:
     geometry says of the hypothesis alone; ``hidden_by`` names the *other* hypotheses whose surface the line of sight
     meets first, transparent ones and rivals included (the rules sort these out). ``match`` is the appearance that the
     hypothesis' one fixed assignment gives it, with its ``residual`` in pixels and ``density``, N(u; û, Σ) per pixel².
-    ``hit_rate`` is h_F. ``stands_for`` > 1: it sums up so many features in the image that are neither expected nor
-    detected in any world (case B), and ``dv`` is their sum; 0: it is a part of a compound that another part stands for,
-    and its ``dv`` is 0 (``plogic.cycle.lumped``).
+    ``hit_rate`` is h_F; ``learned_rate``: of a learned type how often the feature was found, from there, when the type
+    was learned, None of others. ``stands_for`` > 1: it sums up so many features in the image that are neither expected
+    nor detected in any world (case B), and ``dv`` is their sum; 0: it is a part of a compound that another part stands
+    for, and its ``dv`` is 0 (``plogic.cycle.lumped``).
     """
 
     id: str
@@ -103,6 +104,7 @@ class FeatureFact:
     density: float = 0.0
     hit_rate: float = 0.8
     stands_for: int = 1
+    learned_rate: float | None = None
 
 
 @dataclass(frozen=True)

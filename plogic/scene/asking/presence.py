@@ -104,7 +104,7 @@ def presence(situation: Situation, name: str, world: Sequence[str]) -> tuple[str
     told = _score(view) if situation.reading == "score" else _posterior(view)
     beside = ", ".join(w for w in world if w != name) or "no other"
     where = f"{name} is a {view.h.type}; in the most probable world that holds it, beside {beside}:"
-    return (where, *told, *_pixels(view), *_held(view), *_excluded(view))
+    return (where, *told, *_usual(view), *_pixels(view), *_held(view), *_excluded(view))
 
 
 def _score(view: View) -> Iterator[str]:
@@ -123,6 +123,19 @@ def _score(view: View) -> Iterator[str]:
         if case in by_case:
             yield f"  {mark}: {SAID[case]}: {_by_type(by_case[case], name_all=case in 'CD')}"
     yield from _hiding(view, seen)
+
+
+def _usual(view: View) -> Iterator[str]:
+    """How many features of a learned type are found, beside how many were when it was learned."""
+    rows = [f for f in view.h.features if f.learned_rate is not None and f.stands_for == 1 and f.in_image]
+    seen = [(f, cells(view.scene, view.h, f, view.present)) for f in rows]
+    expected = [(f, bool(cell.detected[0])) for f, cell in seen if cell.expected[0]]
+    if expected:
+        usual = round(sum(f.learned_rate or 0.0 for f, _ in expected))
+        yield (
+            f"  to compare: {sum(found for _, found in expected)} of {len(expected)} expected features are found; when its"
+            f" type was learned, {usual} of them were found from there: most visual words come and go"
+        )
 
 
 def _pixels(view: View) -> Iterator[str]:
