@@ -161,7 +161,7 @@ class TypeIndex:
         """What is matched says all of it."""
         return posed
 
-    def pixel_table(self, posed: Hypothesis, others: Mapping[str, Hypothesis], data: Data) -> None:  # noqa: ARG002 - its protocol's
+    def pixel_table(self, posed: Hypothesis, others: Mapping[str, Hypothesis], data: Data) -> None:
         """No photo is asked."""
 
     def significance(self, posed: Hypothesis) -> float:

@@ -1,8 +1,8 @@
 """The part of a situation that a goal is about: the hypotheses that it names, and all that hang together with them.
 
 Hypotheses hang together if one can hide a feature of the other or some of its pixels, if they share an appearance, are
-rivals, exclude each other, compete for one instance or carry something together. Worlds are products over such parts, so that probabilities
-and explanations of a goal about one part are those of the part alone.
+rivals, exclude each other, compete for one instance or carry something together. Worlds are products over such parts,
+so that probabilities and explanations of a goal about one part are those of the part alone.
 """
 
 from collections.abc import Iterator, Sequence
