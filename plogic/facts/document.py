@@ -18,6 +18,7 @@ from plogic.facts.fact_rows import (
     Interval,
     Name,
     Pair,
+    PixelKeys,
     Point2,
     Point3,
     Positive,
@@ -139,7 +140,7 @@ class LeftOut(TypedDict):
     outside_image: Annotated[Count, "Features outside of it."]
 
 
-class Verdict(TypedDict):
+class Verdict(PixelKeys):
     """The keys that the cycle decides, of any hypothesis."""
 
     left_out: NotRequired[Annotated[LeftOut, "Features of a learned type that are not told one by one."]]
@@ -149,11 +150,6 @@ class Verdict(TypedDict):
     ev_reconsidered: NotRequired[Annotated[float | None, "The explanatory value beside the accepted hypotheses."]]
     log_likelihood_ratio: NotRequired[
         Annotated[float, "Natural logarithm of how many times more probable the data are with it than without."]
-    ]
-    pixels: NotRequired[
-        Annotated[
-            float, "What the photo's pixels add to that logarithm; there is no such key where they were not asked."
-        ]
     ]
     support: NotRequired[Annotated[dict[Name, Cells], "The four cells by feature type."]]
     outline: NotRequired[Annotated[list[list[Point2]], "Polygons of its outline, pixels."]]

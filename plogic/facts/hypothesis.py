@@ -32,6 +32,7 @@ if TYPE_CHECKING:
 
     Flags = NDArray[np.bool_]
     from kb.clouds.cloud import ObjectType
+    from plogic.facts.pixel_table import PixelTable
 
 
 class Seen(NamedTuple):
@@ -139,7 +140,8 @@ class Hypothesis:
       is of.
 
     ``pixels``: how well the photo fits, at the pose that was moved to where it fits best (``sensing.pixels``), the
-    logarithm of a likelihood, about; None where there is no photo, or no paint.
+    logarithm of a likelihood, about; None where there is no photo, or no paint. ``pixel_table``: the same by who stands
+    before it, as the posterior is told; None where there is no ``pixels``.
 
     ``worth`` is the log-likelihood ratio against clutter, ``surplus`` what is left of it besides what any pose has.
     ``ev`` is that of the hypothesis alone, ``ev_reconsidered`` that beside Δi; None where it is 0/0 or was not asked.
@@ -180,6 +182,7 @@ class Hypothesis:
     across: NDArray[np.float64] | None = field(default=None, repr=False)
     axes: NDArray[np.float64] | None = field(default=None, repr=False)
     pixels: float | None = field(default=None, repr=False)
+    pixel_table: PixelTable | None = None
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "camera_from_object", np.asarray(self.camera_from_object, np.float64))
@@ -196,7 +199,7 @@ class Hypothesis:
 
     def _facts(self) -> tuple[object, ...]:
         pose = tuple(self.camera_from_object.ravel().tolist())
-        return self.id, self.type, pose, self.opaque, self.group, self.features, self.parts
+        return self.id, self.type, pose, self.opaque, self.group, self.features, self.parts, self.pixel_table
 
     @property
     def object_type(self) -> ObjectType:

@@ -28,6 +28,7 @@ from plogic.facts.document import (
 )
 from plogic.facts.fact_rows import EvidenceRow, Fact, RelatedRow, StateRow
 from plogic.facts.hypothesis import FeatureFact, Hypothesis, PartFact
+from plogic.facts.pixel_table import table_of
 from plogic.facts.sanity import faults
 from plogic.facts.situation import AppearanceFact, EvidenceFact, LookFact, PairFact, Situation, TypeFact, stopped_in
 from plogic.facts.spatial import gravity_facts, gravity_of, overlap_document, space_of
@@ -145,6 +146,7 @@ def _hypothesis(h: HypothesisRow) -> Hypothesis:
         features=tuple(_feature(f) for f in h["features"]),
         parts=tuple(PartFact(p["id"], p["parent"], p["kind"], p["type"]) for p in h["parts"]),
         pixels=h.get("pixels"),
+        pixel_table=table_of(h["pixels_beside"], h.get("pixels_left_out", ())) if "pixels_beside" in h else None,
     )
 
 
