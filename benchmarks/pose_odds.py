@@ -4,7 +4,7 @@
 of the types are photographed by the simulated camera, one at a time; poses beside the true ones are moved to where they
 fit best, and are right or wrong (``RADIUS``). Prints for several ``INDEPENDENT`` the log loss and the expected
 calibration error of P(right) on them, then the same of poses beside the posed objects of SCENE, with a 95 % interval
-(photos and objects drawn again).
+(photos and objects drawn again). Last, ``pose_probability`` of what is accepted in SCENE's photos, of posed types.
 """
 
 import argparse
@@ -21,10 +21,12 @@ from geometry.camera import Camera
 from geometry.files.camera_files import read_camera
 from geometry.frames import from_rotation_translation, transform_points, turn_about
 from kb.clouds.cloud import ObjectType
+from plogic.cycle.delta import Options
 from plogic.match.learned.learned_models import LearnedIndex
 from plogic.run.bop.models import ids_of, model_names
 from plogic.run.perceive import Perceiver
 from plogic.run.sources import kb_of
+from sensing.detectors.detector import detect
 from sensing.files.images import read_image
 from sensing.pixels.drawn import Paint
 from sensing.pixels.photo import Photo
@@ -34,7 +36,7 @@ from sensing.simulated.body import Body
 from sensing.simulated.camera import Sensor, render
 from sensing.simulated.surroundings import Light, Surroundings
 
-TRIED = 0.01, 0.02, 0.05, 0.1, 0.2, 0.5, 1.0
+TRIED = 0.05, 0.1, 0.2, 0.5, 1.0, 2.0, 5.0
 BINS = 5
 """Of equal mass."""
 AGAIN = 1000
@@ -70,12 +72,14 @@ def sample(photo: Photo, paint: Paint, kind: ObjectType, true: Floats, start: Fl
     found = alternatives(photo, paint, at[0]) if at is not None else []
     if at is None or not found:
         return None
-    places = paint.mesh.vertices
-    off = min(
-        np.linalg.norm(transform_points(at[0], places) - transform_points(true @ motion, places), axis=1).mean()
-        for motion in kind.symmetries
-    )
-    return Sample(of, bool(off < RADIUS * paint.diameter), found, paint, at[0], kind.symmetries)
+    return Sample(of, off(at[0], true, paint, kind) < RADIUS, found, paint, at[0], kind.symmetries)
+
+
+def off(pose: Floats, true: Floats, paint: Paint, kind: ObjectType) -> float:
+    """ADD, up to symmetry, in diameters."""
+    here, places = transform_points(pose, paint.mesh.vertices), paint.mesh.vertices
+    turned = [transform_points(true @ motion, places) for motion in kind.symmetries]
+    return float(min(np.linalg.norm(here - there, axis=1).mean() for there in turned)) / paint.diameter
 
 
 def simulated(types: dict[str, LearnedIndex], camera: Camera, count: int, seed: int) -> Iterator[Sample]:
@@ -104,20 +108,46 @@ def simulated(types: dict[str, LearnedIndex], camera: Camera, count: int, seed: 
 def real(types: dict[str, LearnedIndex], scene: Path, numbers: dict[str, int], count: int) -> Iterator[Sample]:
     """``count`` poses of each posed object of a scene."""
     rng = np.random.default_rng(0)
-    by_number = {numbers[name]: index for name, index in types.items()}
-    for key, objects in json.loads((scene / "scene_gt.json").read_text()).items():
-        file = next((scene / "rgb").glob(f"{int(key):06d}.*"))
-        photo = Photo(read_image(file), read_camera(scene / "scene_camera.json", frame=int(key)))
-        for row in (row for row in objects if row["obj_id"] in by_number):
-            index = by_number[row["obj_id"]]
+    for photo, posed in photos(scene, numbers):
+        for name, true in posed:
+            index = types[name]
             assert index.paint is not None  # noqa: S101 - those that have it
-            turn, at = np.reshape(row["cam_R_m2c"], (3, 3)), np.array(row["cam_t_m2c"]) / 1000.0
-            true = from_rotation_translation(turn, at)
             for _ in range(count):
                 start = beside(true, index.paint, rng)
-                one = sample(photo, index.paint, index.object_type, true, start, f"{key} {row['obj_id']}")
+                one = sample(photo, index.paint, index.object_type, true, start, f"{name} {true.tobytes()!r}")
                 if one is not None:
                     yield one
+
+
+def photos(scene: Path, numbers: dict[str, int]) -> Iterator[tuple[Photo, list[tuple[str, Floats]]]]:
+    """Each photo of a scene with the posed objects of the types by name: name and ``camera_from_object``."""
+    names = {number: name for name, number in numbers.items()}
+    for key, objects in json.loads((scene / "scene_gt.json").read_text()).items():
+        file = next((scene / "rgb").glob(f"{int(key):06d}.*"))
+        rows = [row for row in objects if row["obj_id"] in names]
+        poses = [
+            from_rotation_translation(np.reshape(row["cam_R_m2c"], (3, 3)), np.array(row["cam_t_m2c"]) / 1000.0)
+            for row in rows
+        ]
+        camera = read_camera(scene / "scene_camera.json", frame=int(key))
+        yield Photo(read_image(file), camera), [(names[row["obj_id"]], p) for row, p in zip(rows, poses, strict=True)]
+
+
+def accepted(
+    perceiver: Perceiver, types: dict[str, LearnedIndex], scene: Path, numbers: dict[str, int]
+) -> Iterator[tuple[float, float]]:
+    """``pose_probability`` of what is accepted of posed types, and 1 where it is right, else 0."""
+    for photo, posed in photos(scene, numbers):
+        gamma = detect(photo.image, photo.camera, perceiver.kb.sought, perceiver.kb.words)
+        for row in perceiver(gamma, Options(), photo.image)["hypotheses"]:
+            name, index = row["type"], types.get(row["type"])
+            there = [true for other, true in posed if other == name]
+            if row["status"] == "accepted" and "pose_probability" in row and index is not None and there:
+                assert index.paint is not None  # noqa: S101 - those that have it
+                pose = np.array(row["T_camera_object"])
+                error = min(off(pose, true, index.paint, index.object_type) for true in there)
+                print(f"  {name}: ADD {error:.3f}, P {row['pose_probability']:.3f}")  # noqa: T201 - a script
+                yield row["pose_probability"], float(error < RADIUS)
 
 
 def told(samples: list[Sample], independent: float) -> Floats:
@@ -140,34 +170,41 @@ def loss(p: Floats, right: Floats) -> float:
 def line(samples: list[Sample], independent: float) -> str:
     """The figures of one scale."""
     p, right = told(samples, independent), np.array([float(s.right) for s in samples])
+    return f"{independent:g}: {figures(p, right, [s.of for s in samples])}"
+
+
+def figures(p: Floats, right: Floats, names: list[str]) -> str:
+    """Log loss and calibration error, with the interval of the error where those of one name are drawn together."""
     rng = np.random.default_rng(0)
-    of = np.unique([s.of for s in samples], return_inverse=True)[1]
+    of = np.unique(names, return_inverse=True)[1]
     again = []
     for _ in range(AGAIN):
         some = np.concatenate([np.flatnonzero(of == i) for i in rng.integers(0, of.max() + 1, of.max() + 1)])
         again.append(error(p[some], right[some]))
     low, high = np.percentile(again, [2.5, 97.5])
     means = f"mean P {p.mean():.3f}, right {right.mean():.3f}"
-    return (
-        f"{independent:g}: log loss {loss(p, right):.3f}, ECE {error(p, right):.3f} ({low:.3f} to {high:.3f}), {means}"
-    )
+    return f"log loss {loss(p, right):.3f}, ECE {error(p, right):.3f} ({low:.3f} to {high:.3f}), {means}"
 
 
 def main(kb_folder: str, scene: Path, count: int) -> None:
     """Print it all."""
     perceiver = Perceiver(kb_of(kb_folder))
     types = {n: m for n, m in perceiver.models.items() if isinstance(m, LearnedIndex) and m.paint is not None}
-    numbers = model_names(scene.parent.parent / "models") | ids_of([kind.name for kind in perceiver.kb.types], {})
+    known = model_names(scene.parent.parent / "models") | ids_of([kind.name for kind in perceiver.kb.types], {})
+    numbers = {name: known[name] for name in types}
     key = next(iter(json.loads((scene / "scene_gt.json").read_text())))
     camera = read_camera(scene / "scene_camera.json", frame=int(key))
-    for name, samples in (
-        ("simulated, to calibrate", list(simulated(types, camera, count, seed=1))),
-        ("simulated, to check", list(simulated(types, camera, count, seed=2))),
-        ("real", list(real(types, scene, numbers, count))),
+    for name, some in (
+        ("simulated, to calibrate", simulated(types, camera, count, seed=1)),
+        ("simulated, to check", simulated(types, camera, count, seed=2)),
+        ("real", real(types, scene, numbers, count)),
     ):
+        samples = list(some)
         print(f"{name}: {len(samples)} poses of {len({s.of for s in samples})} objects; in use {INDEPENDENT:g}")  # noqa: T201 - a script
         for independent in TRIED:
             print("  " + line(samples, independent), flush=True)  # noqa: T201
+    rows = np.array(list(accepted(perceiver, types, scene, numbers))).reshape(-1, 2)
+    print(f"accepted: {len(rows)}: {figures(rows[:, 0], rows[:, 1], [str(i) for i in range(len(rows))])}")  # noqa: T201
 
 
 if __name__ == "__main__":

@@ -35,7 +35,7 @@ from sensing.pixels.refine import (
 
 RADIUS = 0.1
 """Diameters: mean distance of the surface's places (ADD) within which a pose is right."""
-INDEPENDENT = 0.02
+INDEPENDENT = 1.0
 """Share of what is in Gauss-Newton's normal matrix that is independent (``python benchmarks/pose_odds.py``)."""
 UNLIKELY = 9.0
 """Fit, below the best, of starts that are not followed to the end: in a softmax less than 1 in 8000."""
