@@ -41,6 +41,7 @@ from plogic.match.judged.evidence import outline_rings
 from plogic.measures.distinctiveness import distinctiveness, instance_counts, probability_of_distinctiveness
 from plogic.measures.explanatory import case_of, probability_of_ev
 from plogic.run.carried import image_asset, mesh_assets, sensing_document, types_document
+from plogic.run.painted import paint_assets
 from plogic.scene.factors.asked_formulas import together
 from plogic.scene.readings.world_weights import p_ev
 from plogic.scene.worlds.predictions import doubts
@@ -109,7 +110,7 @@ def document_of(
         "labels": {},
         "sensing": sensing_document(kb),
         "types": types_document(kinds, kb),
-        "assets": {**image_asset(image), **mesh_assets(kinds)},
+        "assets": {**image_asset(image), **mesh_assets(kinds), **paint_assets(kinds)},
         "trace": trace,
     }
     better = surpassed(document)
