@@ -11,11 +11,12 @@ from collections.abc import Callable, Sequence
 from itertools import chain
 from typing import Protocol
 
+import cv2
 import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial import cKDTree
 
-from geometry.arrays import Bytes, Floats
+from geometry.arrays import Bytes, Floats, Mask
 from kb.clouds.words import COLOURS, POINT, SIDE
 
 Indices = NDArray[np.intp]
@@ -72,7 +73,7 @@ def same(one: Seen, other: Seen) -> tuple[Indices, Indices]:
     nothing = np.zeros(0, np.intp)
     if not len(one.uv) or not len(other.uv):
         return nothing, nothing
-    mine, its = flat(cKDTree(other.uv).query_ball_point(one.uv, NEAR + 0.08 * one.scale, return_sorted=True))
+    mine, its = flat(cKDTree(other.uv).query_ball_point(one.uv, reach_of(one), return_sorted=True))
     turned = np.abs((other.angle[its] - one.angle[mine] + np.pi) % (2 * np.pi) - np.pi)
     right = (np.abs(np.log(other.scale[its] / one.scale[mine])) < SIMILAR) & (turned < TURNED)
     mine, its = mine[right], its[right]
@@ -82,6 +83,28 @@ def same(one: Seen, other: Seen) -> tuple[Indices, Indices]:
     order = np.lexsort((its, apart, mine))
     firsts = np.unique(mine[order], return_index=True)[1]
     return mine[order][firsts], its[order][firsts]
+
+
+def around(uv: Floats, reach: Floats, shape: tuple[int, ...]) -> Mask:
+    """(h, w) of a picture of that shape: all pixels of what is within ``reach`` (N,) pixels of places (N, 2), and more.
+
+    Squares, for the sake of speed.
+    """
+    mask, half = (
+        np.zeros(shape[:2], np.uint8),
+        np.ceil(reach).astype(int) + 1,
+    )  # either place is half a pixel off its pixel
+    column, row = (np.clip(np.rint(uv[:, i]).astype(int), 0, shape[1 - i] - 1) for i in (0, 1))
+    for one in np.unique(half).tolist():
+        dots = np.zeros(shape[:2], np.uint8)
+        dots[row[half == one], column[half == one]] = 1
+        mask |= np.asarray(cv2.dilate(dots, np.ones((2 * one + 1, 2 * one + 1), np.uint8)), np.uint8)
+    return mask > 0
+
+
+def reach_of(seen: Seen) -> Floats:
+    """(N,) pixels within which each keypoint may come again."""
+    return np.asarray(NEAR + 0.08 * seen.scale)
 
 
 def flat(found: Sequence[Sequence[int]]) -> tuple[Indices, Indices]:
@@ -98,13 +121,15 @@ def differences(some: Bytes, others: Bytes) -> Floats:
     return np.asarray(np.linalg.norm(some.astype(np.float32) - others.astype(np.float32), axis=1), np.float64)
 
 
-Look = Callable[[Bytes, int], "SeenSides"]
-"""Of a picture; the number is how many pixels lie between points along an edge."""
+Look = Callable[[Bytes, int, Mask], "SeenSides"]
+"""Of a picture, where a mask (h, w) holds; the number is how many pixels lie between points along an edge."""
 
 
 ACROSS, ALONG, TINTED = 2.5, 4.5, 40.0
 """The same side: so near across its edge and along it (pixels), turned by less (radians), its colours less apart
 (bytes)."""
+SIDES_NEAR = float(np.hypot(ACROSS, ALONG))
+"""Pixels within which a side may come again."""
 INSIDE = (1.5, 3.0, 5.0)
 """Pixels from the edge at which the object must be, on the side that is its (the first two), and at which the plane
 that the edge is in is seen."""
@@ -149,9 +174,7 @@ def _same(one: SeenSides, which: NDArray[np.intp], other: SeenSides) -> NDArray[
     """Those of the sides ``which`` of ``one`` that ``other`` has as well."""
     if not len(which) or not len(other.uv):
         return np.zeros(0, np.intp)
-    pairs = cKDTree(one.uv[which]).sparse_distance_matrix(
-        cKDTree(other.uv), float(np.hypot(ACROSS, ALONG)), output_type="ndarray"
-    )
+    pairs = cKDTree(one.uv[which]).sparse_distance_matrix(cKDTree(other.uv), SIDES_NEAR, output_type="ndarray")
     mine, its = which[pairs["i"]], pairs["j"]
     apart, angle = other.uv[its] - one.uv[mine], one.angle[mine]
     across = apart[:, 0] * np.cos(angle) + apart[:, 1] * np.sin(angle)

@@ -10,7 +10,7 @@ Keypoints that come again in worse pictures, carried back to its surface.
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, fields
 from functools import cached_property
-from typing import Protocol
+from typing import NamedTuple, Protocol
 
 import cv2
 import numpy as np
@@ -18,7 +18,17 @@ from numpy.typing import NDArray
 
 from geometry.arrays import Bytes, Floats, Ints, Mask
 from geometry.camera import Camera
-from kb.learning.again import INSIDE, Look, Seen, descriptors, keypoints_again, sides_again
+from kb.learning.again import (
+    INSIDE,
+    SIDES_NEAR,
+    Look,
+    Seen,
+    around,
+    descriptors,
+    keypoints_again,
+    reach_of,
+    sides_again,
+)
 
 Variant = tuple[NDArray[np.uint8], NDArray[np.uint8]]
 """(h, w, 3) each: the view under random light, with blur and noise.
@@ -85,15 +95,24 @@ def size_of(view: View, pixels: float) -> tuple[int, int]:
     return max(1, round(width * pixels / view.pixels)), max(1, round(height * pixels / view.pixels))
 
 
-def variants(view: View, pixels: float, rng: np.random.Generator, count: int) -> list[Variant]:
-    """``count`` variants of the view, all different, in which the object's diameter is ``pixels``."""
-    size = size_of(view, pixels)
-    whole = np.asarray(cv2.resize(view.image * view.mask[..., None], size, interpolation=cv2.INTER_AREA), np.float32)
-    share = np.asarray(cv2.resize(view.mask.astype(np.float32), size, interpolation=cv2.INTER_AREA), np.float32)[
-        ..., None
-    ]
-    even = np.asarray(np.clip(whole / 255.0 / np.maximum(share, 1e-3), 0.0, 1.0), np.float32)
-    return [_variant(even, share, rng) for _ in range(count)]
+class Bare(NamedTuple):
+    """The object's colours (h, w, 3), 0 to 1, and its share (h, w, 1) of each pixel."""
+
+    even: NDArray[np.float32]
+    share: NDArray[np.float32]
+
+
+def bare(view: View, pixels: float) -> Bare:
+    """The view with the object's diameter so many pixels."""
+    size, mask = size_of(view, pixels), view.mask.astype(np.uint8)
+    whole = np.asarray(cv2.resize(cv2.copyTo(view.image, mask), size, interpolation=cv2.INTER_AREA), np.float32)
+    share = np.asarray(cv2.resize(mask.astype(np.float32), size, interpolation=cv2.INTER_AREA), np.float32)[..., None]
+    return Bare(np.asarray(np.clip(whole / 255.0 / np.maximum(share, 1e-3), 0.0, 1.0), np.float32), share)
+
+
+def variants(shown: Bare, rng: np.random.Generator, count: int) -> list[Variant]:
+    """``count`` variants of a view, all different."""
+    return [_variant(*shown, rng) for _ in range(count)]
 
 
 def _variant(even: NDArray[np.float32], share: NDArray[np.float32], rng: np.random.Generator) -> Variant:
@@ -128,9 +147,9 @@ def _spots(size: tuple[int, int], rng: np.random.Generator) -> NDArray[np.float3
     return np.clip(spots, 0.0, 255.0)
 
 
-Detect = Callable[[Bytes, Bytes, int], "Seen"]
-"""Of a picture and the same before a calm background; the number is how many pixels lie between points along an
-edge."""
+Detect = Callable[[Bytes, Bytes, int, Mask], "Seen"]
+"""Of a picture and the same before a calm background, where a mask (h, w) holds; the number is how many pixels lie
+between points along an edge."""
 
 
 PICTURES = 4
@@ -149,6 +168,8 @@ STEEP = 0.2
 """Least cosine between a ray and the normal of a plane for it to be said where they meet."""
 FLAT = 1.0
 """Pixels of the large picture by which a surface may be off a plane and is that plane."""
+BESIDE = 3
+"""Pixels beside the object at which what one picture shows may be on it by the mean of all, or be its outline."""
 EDGE = 3
 """Pixels of the large picture that a keypoint must keep from the outline, where depth is that of the background."""
 
@@ -204,22 +225,30 @@ def observed(view: View, number: int, detect: Detect, seed: int = 0, look: Look 
     levels = []
     for level, pixels in enumerate(PIXELS):
         rng = np.random.default_rng([seed, number, level])
-        pictures = variants(view, pixels, rng, PICTURES)
-        first, *others = [detect(*both, DENSE if i else SPARSE) for i, both in enumerate(pictures)]
-        hit, uv, descriptor = keypoints_again(first, others)
+        shown = bare(view, pixels)
+        pictures, own = variants(shown, rng, PICTURES), _own(shown)
+        first = detect(*pictures[0], SPARSE, own)
+        there = around(first.uv, reach_of(first), own.shape)
+        hit, uv, descriptor = keypoints_again(first, [detect(*both, DENSE, there) for both in pictures[1:]])
         levels.append(_on_surface(view, inner, pixels, first, uv, hit, descriptor, (number, level)))
         if look is not None:
             levels.append(
-                _sides(view, pixels, [busy for busy, _ in pictures[:PICTURES_OF_SIDES]], look, (number, level))
+                _sides(view, pixels, [busy for busy, _ in pictures[:PICTURES_OF_SIDES]], own, look, (number, level))
             )
     return joined(levels)
 
 
+def _own(shown: Bare) -> Mask:
+    """(h, w) where the object is, and ``BESIDE`` pixels around."""
+    there = (shown.share[..., 0] > 0.0).astype(np.uint8)
+    return np.asarray(cv2.dilate(there, np.ones((2 * BESIDE + 1, 2 * BESIDE + 1), np.uint8))) > 0
+
+
 def _sides(
-    view: View, pixels: float, pictures: Sequence[Bytes], look: Look, number_level: tuple[int, int]
+    view: View, pixels: float, pictures: Sequence[Bytes], own: Mask, look: Look, number_level: tuple[int, int]
 ) -> Observations:
     """Carry sides of edges back to the surface that is on their side; those seldom seen are left out."""
-    first, *others = [look(busy, SPARSE if i == 0 and pixels > SMALL else DENSE) for i, busy in enumerate(pictures)]
+    first = look(pictures[0], SPARSE if pixels > SMALL else DENSE, own)
     large = np.array(view.image.shape[1::-1])
     factors = large / np.array(size_of(view, pixels))
     inward = np.column_stack([np.cos(first.angle), np.sin(first.angle)])
@@ -227,7 +256,8 @@ def _sides(
         np.clip(np.rint((first.uv + deep * inward + 0.5) * factors - 0.5).astype(int), 0, large - 1) for deep in INSIDE
     ]
     good = np.flatnonzero(np.all([view.mask[cell[:, 1], cell[:, 0]] for cell in cells[:2]], axis=0))
-    hit = sides_again(first, others, good)
+    there = around(first.uv[good], np.full(len(good), SIDES_NEAR), own.shape)
+    hit = sides_again(first, [look(busy, DENSE, there) for busy in pictures[1:]], good)
     good = good[hit[good] >= ALWAYS]
     place, cell = (first.uv[good] + 0.5) * factors - 0.5, cells[0][good]
     here = _on_plane(view, place, cell, cells[-1][good])

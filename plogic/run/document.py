@@ -224,6 +224,8 @@ def _verdict(belief: Hypothesis, gamma: Gamma, dv: Mapping[str, float]) -> Verdi
     }
     if belief.pixels is not None:
         verdict["pixels"] = belief.pixels
+    if belief.pixel_table is not None:
+        verdict |= belief.pixel_table.document()  # type: ignore[typeddict-item] # keys of a verdict
     if missing is not None:
         verdict["left_out"] = missing
     verdict["outline"] = outline_rings(posed, gamma.camera)
@@ -258,15 +260,23 @@ def accepted_in(document: Interpretation) -> tuple[str, ...]:
 
 def surpassed(document: Interpretation) -> dict[str, str]:
     """Of each accepted hypothesis, by id, that has a more probable rival: that one, in words."""
+    chances = {h["id"]: h["probability"] for h in document["hypotheses"] if h["status"] == "accepted"}
+    return {
+        name: f"{best['id']} ({best.get('label') or best['type']}, P {_chance(best)}) is a more probable reading of the same data"
+        for name, best in best_rivals(document).items()
+        if best["probability"] > chances[name]
+    }
+
+
+def best_rivals(document: Interpretation) -> dict[str, HypothesisRow]:
+    """Of each accepted hypothesis, by id, that has any rival: the most probable one."""
     pairs = {tuple(fact["args"]) for fact in document["facts"] if fact["fact"] in ("overlap", "rival", "exclusive")}
     rows = [h for h in document["hypotheses"] if h["status"] != "rejected"]
-    found: dict[str, str] = {}
+    found: dict[str, HypothesisRow] = {}
     for h in (row for row in rows if row["status"] == "accepted"):
         rivals = [r for r in rows if r["status"] != "accepted" and (_are(h, r, pairs) or r["group"] == h["group"])]
-        best = max(rivals, key=lambda r: r["probability"], default=h)
-        if best["probability"] > h["probability"]:
-            told = f"{best['id']} ({best.get('label') or best['type']}, P {_chance(best)})"
-            found[h["id"]] = f"{told} is a more probable reading of the same data"
+        if rivals:
+            found[h["id"]] = max(rivals, key=lambda r: r["probability"])
     return found
 
 

@@ -75,14 +75,15 @@ class EdgePoints:
     rise: Floats
 
 
-def edge_points(image: Bytes, cell: int, most: int, least: float = LEAST) -> EdgePoints:
+def edge_points(image: Bytes, cell: int, most: int, least: float = LEAST, where: Mask | None = None) -> EdgePoints:
     """The strongest point of an edge in each square cell of an image, ``cell`` pixels wide.
 
     At most ``most``, the strongest first.
 
     It rises by more than ``least`` grey levels a pixel. A point is where the gradient is greatest along its own
     direction, to a part of a pixel. Of an image (H, W, 3) the gradient is that of the channel in which it is greatest,
-    so that colours of one brightness have an edge between them too.
+    so that colours of one brightness have an edge between them too. Of all these points, only those on whose pixel
+    ``where`` (H, W) holds are looked for.
     """
     if min(image.shape[:2]) <= 2 * BORDER:
         return EdgePoints(np.zeros((0, 2)), np.zeros(0), np.zeros(0))
@@ -90,6 +91,10 @@ def edge_points(image: Bytes, cell: int, most: int, least: float = LEAST) -> Edg
     rise = np.hypot(gx, gy)
     inner = np.zeros(rise.shape, bool)
     inner[BORDER:-BORDER, BORDER:-BORDER] = True
+    if (
+        where is not None
+    ):  # with all of every cell that it touches, for the strongest there may be where it does not hold
+        inner &= cv2.dilate(where.astype(np.uint8), np.ones((2 * cell - 1, 2 * cell - 1), np.uint8)) > 0
     y, x = np.nonzero((rise > least) & inner)
     here = rise[y, x].astype(float)
     across = np.column_stack([gx[y, x], gy[y, x]]) / here[:, None]
@@ -100,7 +105,8 @@ def edge_points(image: Bytes, cell: int, most: int, least: float = LEAST) -> Edg
     uv = np.column_stack([x, y]) + np.clip(0.5 * (behind - ahead) / bend, -0.5, 0.5)[:, None] * across
     order = np.argsort(-here, kind="stable")
     cells = (y[order] // cell) * rise.shape[1] + x[order] // cell
-    best = order[np.sort(np.unique(cells, return_index=True)[1])[:most]]
+    best = order[np.sort(np.unique(cells, return_index=True)[1])]
+    best = (best if where is None else best[where[y[best], x[best]]])[:most]
     return EdgePoints(uv[best], np.arctan2(across[best, 1], across[best, 0]), here[best])
 
 
@@ -167,12 +173,12 @@ class EdgeSides:
         return len(self.uv)
 
 
-def edge_sides(image: Bytes, cell: int, most: int = MOST_EDGES) -> EdgeSides:
+def edge_sides(image: Bytes, cell: int, most: int = MOST_EDGES, where: Mask | None = None) -> EdgeSides:
     """Both sides of the strongest edge in each square cell of an (H, W, 3) image, blue first, ``cell`` pixels wide.
 
-    ``most`` edges at most.
+    ``most`` edges at most, of those on whose pixel ``where`` (H, W) holds.
     """
-    points = edge_points(image, cell, image.size, max(LEAST, NOISY * noise(image)))
+    points = edge_points(image, cell, image.size, max(LEAST, NOISY * noise(image)), where)
     chosen = fairly(points.uv, BLOCK)[:most]
     at, rise, across = points.uv[chosen], points.rise[chosen], points.angle[chosen]
     uv = np.repeat(at, 2, axis=0)
@@ -243,28 +249,29 @@ def described(
     most: int = MOST,
     cell: int = CELL,
     calm: Bytes | None = None,
+    where: Mask | None = None,
 ) -> Keypoints:
     """Keypoints of an (H, W) or (H, W, 3) uint8 image, the strongest first; of ``sift`` edges and regions too.
 
     At most ``most`` of each; of edges one in each cell of ``cell`` pixels, and at most ``EDGES``. Regions are looked
     for in ``calm``, as large, where it is given. Where the image has colours, they are part of the descriptors of
-    ``sift`` (``sensing.detectors.keypoints``).
+    ``sift`` (``sensing.detectors.keypoints``). Only what is on a pixel on which ``where`` (H, W) holds is described.
 
     Raises:
         DetectorError: There is no such keypoint detector.
     """
-    blobs = keypoints(image, name, contrast=contrast, most=most)
+    blobs = keypoints(image, name, contrast=contrast, most=most, where=where)
     if name != "sift":
         return blobs
     grey = grey_of(image)
-    points = edge_points(grey, cell, min(EDGES, most))
+    points = edge_points(grey, cell, min(EDGES, most), where=where)
     edges = sift_at(grey, points.uv, points.angle, np.full(len(points.uv), EDGE_SIZE), points.rise * RISE)
     local = joined(blobs, edges)
     if not is_grey(image):
         local = replace(
             local, descriptors=np.column_stack([local.descriptors, colours(image, local.uv, local.angle, local.scale)])
         )
-    return joined(local, regions(image if calm is None else calm, min(REGIONS, most)))
+    return joined(local, regions(image if calm is None else calm, min(REGIONS, most), where))
 
 
 def joined(first: Keypoints, second: Keypoints) -> Keypoints:

@@ -68,7 +68,9 @@ class Keypoints:
         )
 
 
-def keypoints(image: Bytes, name: str = "sift", *, contrast: float | None = None, most: int = MOST) -> Keypoints:
+def keypoints(
+    image: Bytes, name: str = "sift", *, contrast: float | None = None, most: int = MOST, where: Mask | None = None
+) -> Keypoints:
     """Keypoints of an (H, W) or (H, W, 3) uint8 image, blue first; the same pixels give the same arrays.
 
     Args:
@@ -76,6 +78,7 @@ def keypoints(image: Bytes, name: str = "sift", *, contrast: float | None = None
         name: ``sift`` or ``orb``.
         contrast: The threshold in the detector's own unit: ``CONTRAST`` or ``FAST_LEVELS`` where it is None.
         most: How many at most, by response.
+        where: (H, W), those of them on whose pixel it holds; SIFT describes no others, which takes most of its time.
 
     Raises:
         DetectorError: There is no such keypoint detector.
@@ -86,10 +89,21 @@ def keypoints(image: Bytes, name: str = "sift", *, contrast: float | None = None
     if min(grey.shape) < LEAST_SIDE or grey.min() == grey.max() or most < 1:
         return _arrays([], None, name, grey.shape)
     finder = _sift(contrast, most) if name == "sift" else _orb(contrast, most)
-    found, descriptors = finder.detectAndCompute(np.ascontiguousarray(grey), None)
-    return _strongest(
+    mask = (
+        None if where is None or name != "sift" else where.astype(np.uint8)
+    )  # ORB's mask lets others take their place
+    found, descriptors = finder.detectAndCompute(np.ascontiguousarray(grey), mask)
+    strongest = _strongest(
         _arrays(found, None if descriptors is None else np.asarray(descriptors, np.uint8), name, grey.shape), most
     )
+    return strongest if where is None else strongest.chosen(holds(where, strongest.uv))
+
+
+def holds(where: Mask, uv: Floats) -> Mask:
+    """(N,) whether ``where`` (H, W) holds on the pixels of places (N, 2), of which each is in the image."""
+    column, row = np.floor(uv + 0.5).astype(np.intp).T
+    height, width = where.shape
+    return np.asarray(where[np.clip(row, 0, height - 1), np.clip(column, 0, width - 1)])
 
 
 def grey_of(image: Bytes) -> Bytes:

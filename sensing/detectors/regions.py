@@ -16,8 +16,8 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from geometry.arrays import Bytes, Floats
-from sensing.detectors.keypoints import WIDTH, Keypoints, grey_of, is_grey, ratios, sift_at
+from geometry.arrays import Bytes, Floats, Mask
+from sensing.detectors.keypoints import WIDTH, Keypoints, grey_of, holds, is_grey, ratios, sift_at
 
 MOST, LEAST_REGIONS, EVERY = 400, 60, 768
 """Regions of one image at most, those that stand out most: one in so many pixels, but at least and at most so many."""
@@ -60,10 +60,11 @@ class _Region(NamedTuple):
     radius: float
 
 
-def regions(image: Bytes, most: int = MOST) -> Keypoints:
+def regions(image: Bytes, most: int = MOST, where: Mask | None = None) -> Keypoints:
     """Of an (H, W) or (H, W, 3) uint8 image, blue first.
 
-    Those that stand out most first, each once for each of its directions.
+    Those that stand out most first, each once for each of its directions; of them those on whose middle's pixel
+    ``where`` (H, W) holds.
 
     ``scale`` is the diameter of a circle as large; ``descriptors`` are (N, 138), or (N, 128) of an image without
     colours.
@@ -76,6 +77,8 @@ def regions(image: Bytes, most: int = MOST) -> Keypoints:
     order = sorted(
         range(len(found)), key=lambda i: (-contrast[i] * found[i].radius, *found[i].middle.tolist(), found[i].radius)
     )[:most]
+    if where is not None:
+        order = [i for i in order if holds(where, (found[i].middle[None] + 0.5) * factor - 0.5)[0]]
     chosen = [found[i] for i in order]
     tiles = np.array([_tile(region) for region in chosen]).reshape(-1, TILE, TILE)
     owner, angle = _directions(tiles)
@@ -87,7 +90,7 @@ def regions(image: Bytes, most: int = MOST) -> Keypoints:
         ((np.array([region.middle for region in chosen]).reshape(-1, 2) + 0.5) * factor - 0.5)[owner],
         angle,
         np.array([2.0 * region.radius for region in chosen])[owner] * float(np.sqrt(factor.prod())),
-        CONTRAST * contrast[order][owner] if len(order) else np.zeros(0),
+        CONTRAST * contrast[order][owner] if order else np.zeros(0),
         shapes,
     )
 

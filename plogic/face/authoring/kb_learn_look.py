@@ -13,9 +13,7 @@ from functools import cache, partial
 from importlib.metadata import version
 from typing import Any
 
-import numpy as np
-from numpy.typing import NDArray
-
+from geometry.arrays import Bytes, Mask
 from geometry.cones import even_directions
 from geometry.files.remembered import ROOT, cache_folder, forget_files_beside, source_digest, sources
 from kb.clouds.cloud import KnowledgeBase, ObjectType
@@ -29,7 +27,7 @@ from plogic.base.errors import InputError
 from plogic.base.jobs import ChildDiedError, afresh
 from plogic.face.shown.options import Learning
 from plogic.face.shown.progress import Work
-from sensing.detectors.keypoint_detector import described, edge_sides
+from sensing.detectors.keypoint_detector import EdgeSides, described, edge_sides
 from sensing.detectors.keypoints import Keypoints
 from sensing.errors import SensingError
 from sensing.files.whole_files import write_whole
@@ -111,19 +109,24 @@ def _look(task: tuple[str, float, str, int], part: range) -> list[Observations]:
     cv2.setNumThreads(1)
     file, scale, detector, seed = task
     views = turned(read_mesh(file, scale), [even_directions(DIRECTIONS)[i] for i in part], PIXELS[0], MARGIN, AWAY)
-    look = edge_sides if detector == "sift" else None
+    look = sides_where if detector == "sift" else None
     return [
         observed(view, number, detection_by(detector), seed, look) for number, view in zip(part, views, strict=True)
     ]
 
 
-def detection_by(detector: str) -> Callable[[NDArray[np.uint8], NDArray[np.uint8], int], Keypoints]:
+def detection_by(detector: str) -> Callable[[Bytes, Bytes, int, Mask], Keypoints]:
     """Return ``described`` with a detector, and its arguments as ``observed`` hands them over."""
 
-    def detect(image: NDArray[np.uint8], calm: NDArray[np.uint8], cell: int) -> Keypoints:
-        return described(image, detector, cell=cell, calm=calm)
+    def detect(image: Bytes, calm: Bytes, cell: int, where: Mask) -> Keypoints:
+        return described(image, detector, cell=cell, calm=calm, where=where)
 
     return detect
+
+
+def sides_where(image: Bytes, cell: int, where: Mask) -> EdgeSides:
+    """Return ``edge_sides``, its arguments as ``observed`` hands them over."""
+    return edge_sides(image, cell, where=where)
 
 
 DECIDES = "plogic/face/authoring/kb_learn_look.py"

@@ -24,7 +24,7 @@ from kb.clouds.cloud import KnowledgeBase
 from plogic.base.clock import Stopwatch
 from plogic.base.errors import InputError
 from plogic.cycle.delta import Options
-from plogic.face.shown.options import Perceiving, written
+from plogic.face.shown.options import Marks, Perceiving, written
 from plogic.facts.document import Interpretation
 from plogic.facts.interpretation import text_of
 from plogic.facts.situation import stopped_in
@@ -176,7 +176,7 @@ def _write_all(
 
         files[Path(options.report)] = page(document).encode()
     if options.picture:
-        files[Path(options.picture)] = picture_of(document, image)
+        files[Path(options.picture)] = picture_of(document, image, options.marks)
     if options.timings:
         timings = {"format": "timings/1", "seconds": clock.seconds, "total": clock.total}
         files[Path(options.timings)] = json.dumps(timings, indent=1).encode()
@@ -188,13 +188,13 @@ def _write_all(
     return UNFINISHED if document.get("unfinished") else 0
 
 
-def picture_of(document: Interpretation, image: NDArray[Any] | None) -> bytes:
-    """The overlay of figure 5 as PNG; ``image`` (H, W, 3) uint8, blue first."""
+def picture_of(document: Interpretation, image: NDArray[Any] | None, marks: Marks = "few") -> bytes:
+    """The overlay of figure 5 as PNG; ``image`` (H, W, 3) uint8, blue first; ``marks`` as ``overlay`` takes them."""
     import cv2
 
     from plogic.face.shown.overlay import overlay
 
-    return bytes(cv2.imencode(".png", overlay(document, image))[1].tobytes())
+    return bytes(cv2.imencode(".png", overlay(document, image, marks))[1].tobytes())
 
 
 def _doubts(document: Interpretation) -> list[str]:

@@ -5,7 +5,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
-from typing import TYPE_CHECKING, Self, get_args
+from typing import TYPE_CHECKING, Literal, Self, get_args
 
 import numpy as np
 from numpy.typing import NDArray
@@ -294,11 +294,14 @@ class Interpretation(Asked, Result):
         """
         return Program(program_text(self.subject) + "\n" + query_lines(self.subject), "interpretation.pl")
 
-    def picture(self) -> Picture:
-        """Return the hypotheses drawn over the image: (H, W, 3) uint8, blue first."""
+    def picture(self, marks: Literal["few", "all", "none"] = "few") -> Picture:
+        """Return the hypotheses drawn over the image: (H, W, 3) uint8, blue first.
+
+        ``marks`` of features: ``few``, where they are not hundreds; ``all``; or ``none``.
+        """
         from plogic.face.shown.overlay import overlay
 
-        return overlay(self._document, self.image).view(Picture)
+        return overlay(self._document, self.image, marks).view(Picture)
 
     @property
     def image(self) -> NDArray[np.uint8] | None:

@@ -22,6 +22,7 @@ from kb.clouds.learned import LearnedCloud
 from kb.clouds.words import POINT, SIDE
 from plogic.base.jobs import each
 from plogic.facts.hypothesis import Hypothesis
+from plogic.facts.pixel_table import PixelTable
 from plogic.match.gamma.data import Data
 from plogic.match.judged.evidence import evidence
 from plogic.match.judged.expectation import polished, settled
@@ -29,7 +30,7 @@ from plogic.match.judged.type_models import SURE, Found, Given, Ranks, Request, 
 from plogic.match.learned.agreement import Lobes, lobes_of
 from plogic.match.learned.keypoints import Lexicon, lexicon_of
 from plogic.match.learned.learned_match import ROBUST, matched, pose_of, precision
-from plogic.match.learned.learned_pixels import hiding, looked_beside
+from plogic.match.learned.learned_pixels import hiding, looked_among, looked_beside
 from plogic.match.learned.learned_poses import NOBODY, REFINED, Voted, generate, resting, voted
 from plogic.measures.distinctiveness import Kinds, kinds_of, rank_of_kinds
 
@@ -179,6 +180,10 @@ class LearnedIndex:
     def beside(self, posed: Hypothesis, others: Sequence[Hypothesis], data: Data) -> Hypothesis:
         """A hypothesis told anew what its pixels say, where these others may hide it."""
         return looked_beside(self, posed, others, data)
+
+    def pixel_table(self, posed: Hypothesis, others: Mapping[str, Hypothesis], data: Data) -> PixelTable | None:
+        """What the photo's pixels say of it, by which of these others, by id, are present."""
+        return looked_among(self, posed, others, data)
 
     def significance(self, posed: Hypothesis) -> float:  # noqa: ARG002 - of other kinds it depends on the hypothesis
         """All poses of a learned type are counted in its evidence."""

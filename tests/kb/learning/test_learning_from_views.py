@@ -13,7 +13,7 @@ from painted_cube import CORNER, COUNT, F_REF, PIXELS, SIDE, cloud, cube, facing
 from geometry.cones import even_directions, spacing
 from kb.clouds.learned import cloud_bytes, read_cloud
 from kb.learning.features import BEYOND, END, LEAST_SEEN, STEP, _lobes, _places, cloud_of, reaches
-from kb.learning.observations import AWAY, EDGE, MARGIN, OFTEN, distance, joined, variants
+from kb.learning.observations import AWAY, EDGE, MARGIN, OFTEN, bare, distance, joined, variants
 from sensing.simulated.camera import turned
 
 FEW = facing(CORNER, 25.0)
@@ -195,7 +195,7 @@ def test_the_most_seen_features_are_kept_in_order():
 
 def test_a_variant_shows_the_object_before_a_background_that_is_never_the_same():
     view = next(iter(turned(cube(), [even_directions(COUNT)[FEW[0]]], PIXELS[0], MARGIN, AWAY)))
-    firsts, seconds, others = (variants(view, PIXELS[1], np.random.default_rng(seed), 1)[0] for seed in (1, 1, 2))
+    firsts, seconds, others = (variants(bare(view, PIXELS[1]), np.random.default_rng(seed), 1)[0] for seed in (1, 1, 2))
     for one, again, other in zip(firsts, seconds, others, strict=True):
         check_variant(view, one, again, other)
     busy, calm = (picture[:5].astype(float) for picture in firsts)

@@ -88,13 +88,13 @@ def test_sides_of_a_small_object_are_looked_for_densely_and_must_always_come_aga
     """In the first picture of each size only; and where those of one picture are left out nothing is seen."""
     cells = []
 
-    def noting(image, cell):
+    def noting(image, cell, where):
         cells.append(cell)
-        return look(image, cell)
+        return look(image, cell, where)
 
-    def forgetting(image, cell):
+    def forgetting(image, cell, where):
         cells.append(cell)
-        found = look(image, cell)
+        found = look(image, cell, where)
         keep = slice(0, 0 if len(cells) % PICTURES_OF_SIDES == 0 else len(found))
         return EdgeSides(found.uv[keep], found.angle[keep], found.rise[keep], found.looks[keep])
 

@@ -129,12 +129,12 @@ def plate(paint=None):
     )
 
 
-def detect(image, calm, cell):
-    return described(image, cell=cell, calm=calm)
+def detect(image, calm, cell, where):
+    return described(image, cell=cell, calm=calm, where=where)
 
 
-def look(image, cell):
-    return edge_sides(image, cell)
+def look(image, cell, where):
+    return edge_sides(image, cell, where=where)
 
 
 @pytest.mark.parametrize("seed", [0, 1])
@@ -161,6 +161,26 @@ def test_sides_of_a_plain_plate_are_on_its_rim_and_face_its_middle(seed):
     red, blue = whole.descriptor[rows, 130], whole.descriptor[rows, 131]
     assert np.quantile(red, 0.1) > 170  # far redder than green, whatever the light
     assert np.median(np.abs(blue - 128)) < 30
+
+
+def test_where_nobody_needs_to_look_nothing_that_counts_is_missed():
+    """All of every picture is looked at by the one, what is on the object and may come again by the other."""
+    paint = np.random.default_rng(1).integers(0, 256, (SIZE // 8, SIZE // 8, 3), np.uint8)
+    paint = paint.repeat(8, axis=0).repeat(8, axis=1)
+
+    def everywhere(image, calm, cell, _):
+        return described(image, cell=cell, calm=calm)
+
+    with sizes():
+        here = observed(plate(paint), 3, detect, 5, look)
+        whole = observed(plate(paint), 3, everywhere, 5, lambda image, cell, _: edge_sides(image, cell))
+    assert 0 < here.sided.sum() < len(here)
+    assert ordered(here) == ordered(whole)
+
+
+def ordered(some):
+    """The observations as rows, in an order of their own: that of sides is of all that a picture has."""
+    return sorted(np.column_stack([getattr(some, f.name) for f in fields(some)]).tolist())
 
 
 def test_looking_at_sides_changes_nothing_of_keypoints():

@@ -9,7 +9,8 @@ from kb.files.read import read_kb
 from plogic.base.clock import Stopwatch
 from plogic.cycle.delta import Options
 from plogic.facts.interpretation import situation_of, text_of
-from plogic.match.judged.evidence import SUREST_MISSED, evidence
+from plogic.facts.pixel_table import PixelTable
+from plogic.match.judged.evidence import SUREST_MISSED, as_fitted, evidence
 from plogic.run.perceive import Perceiver
 from plogic.scene.asking.explanations import present
 from sensing.detectors.detector import detect
@@ -84,7 +85,7 @@ def test_a_pixel_counts_once_for_what_stands_in_front(perceiver):
 
 
 @pytest.mark.parametrize(
-    ("reading", "says"), [("posterior", "told with what is detected"), ("score", "accepted by that")]
+    ("reading", "says"), [("posterior", "in log-odds"), ("score", "in log-odds, it is accepted by that")]
 )
 def test_the_document_and_the_explanation_have_it(perceiver, reading, says):
     image = picture([TRUE], seed=3)
@@ -94,13 +95,48 @@ def test_the_document_and_the_explanation_have_it(perceiver, reading, says):
     assert row["pixels"] > 8.0
     situation = situation_of(document)
     assert situation.hypotheses[0].pixels == row["pixels"]
-    (line,) = [line for line in present(situation, "present(h1)").summary if "photo" in line]
+    (line,) = [line for line in present(situation, "present(h1)").summary if "the photo shows" in line]
     assert line.startswith("  for: drawn at its pose it is what the photo shows")
-    assert f"{row['pixels']:+.3g} in log-odds, " in line
-    assert says in line
+    assert f"{row['pixels']:+.3g} {says}" in line
+    assert situation.hypotheses[0].pixel_table == PixelTable((), (row["pixels"],))
     without = perceiver(gamma, Options(reading=reading))
     assert all("pixels" not in h for h in without["hypotheses"])
     assert not any("photo" in line for line in present(situation_of(without), "present(h1)").summary)
+
+
+def test_the_program_is_told_of_matches_what_they_say_alone(perceiver):
+    """Pixels have a factor of their own, and what is missed costs no more than what is found brings."""
+    image = picture([TRUE], seed=3)
+    data, [found] = accepted(perceiver, gamma_of(perceiver, image), image)
+    told, bare = (as_fitted(some, data, perceiver.kb) for some in (found, found.told(pixels=None)))
+    assert np.array_equal(told, bare)
+    few = np.flatnonzero(found.detected & found.candidate)[4:]
+    matches = found.matches.copy()
+    matches[few] = -1
+    poor = found.told(matches=matches)
+    assert evidence(poor.told(pixels=None), data, perceiver.kb).surplus < SUREST_MISSED
+    (_, waived), (_, owing) = (as_fitted(some, data, perceiver.kb) for some in (poor, poor.told(pixels=None)))
+    assert (waived >= owing).all()
+    assert waived.sum() > owing.sum()
+
+
+def test_pixels_are_told_by_who_is_before(perceiver):
+    """One behind the cube has a line for the cube's absence and one for its presence; the cube is before nobody."""
+    image = picture([TRUE], seed=3)
+    data, [found] = accepted(perceiver, gamma_of(perceiver, image), image)
+    index = perceiver.models["cube"]
+    farther = TRUE.copy()
+    farther[:3, 3] *= 1.3
+    behind = index.settle(farther, data, perceiver.kb, rounds=0).told(pixels=30.0)
+    table = index.pixel_table(behind, {"h1": found}, data)
+    assert table.occluders == ("h1",)
+    assert table.odds[1] == index.beside(behind, [found], data).pixels
+    assert table.odds[0] < 30.0
+    assert index.pixel_table(found, {"h2": behind}, data) == PixelTable((), (found.pixels,))
+    assert index.pixel_table(behind, {}, data) == PixelTable((), (30.0,))
+    assert index.pixel_table(behind.told(pixels=None), {"h1": found}, data) is None
+    many = {f"h{i}": found for i in range(8)}
+    assert index.pixel_table(behind, many, data)[0::2] == (("h0", "h1", "h2", "h3", "h4", "h5"), ("h6", "h7"))
 
 
 def test_the_same_photo_gives_the_same_bytes(perceiver):

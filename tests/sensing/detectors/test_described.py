@@ -55,6 +55,18 @@ def test_blobs_come_first_then_points_along_edges_then_regions_each_the_stronges
 
 
 @settings(max_examples=10, deadline=None, derandomize=True)
+@given(st.integers(0, 999), st.integers(3, 9), st.sampled_from(["sift", "orb"]), st.integers(10, 70))
+def test_where_a_mask_holds_is_the_same_as_without_it_and_elsewhere_is_nothing(seed, cell, name, middle):
+    image, where = texture(120, 140, seed), np.zeros((120, 140), bool)
+    where[middle : middle + 40, 20:100] = True
+    every = described(image, name, cell=cell)
+    column, row = np.floor(every.uv + 0.5).astype(int).T
+    inside = where[np.clip(row, 0, 119), np.clip(column, 0, 139)]
+    assert 0 < inside.sum() < len(every)
+    same(described(image, name, cell=cell, where=where), every.chosen(inside))
+
+
+@settings(max_examples=10, deadline=None, derandomize=True)
 @given(st.integers(0, 999), st.integers(3, 6))
 def test_larger_cells_make_edges_sparser_and_leave_blobs_as_they_are(seed, cell):
     image = texture(120, 140, seed)

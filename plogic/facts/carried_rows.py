@@ -1,0 +1,58 @@
+"""Shapes of what ``interpretation/1`` carries along: how types are seen, the picture, and surfaces."""
+
+from typing import Annotated, Literal, NotRequired, TypedDict
+
+from geometry.json_shapes import Row, Size
+from plogic.facts.fact_rows import Count, Name, Point3, Positive
+
+PlacedFeature = Annotated[list[str | float], Row(Name, Name, float, float, float)]
+LobeNumbers = Annotated[list[float], Row(Count, Count, float, float, float, float, float, float, float)]
+
+
+class TypeRow(TypedDict):
+    """How one type is seen: [id, type, x, y, z] of features, and lobes as rows of numbers (``plogic.run.carried``).
+
+    ``facets``, ``faces``: polygons of its surface whose corners are features.
+    """
+
+    features: Annotated[
+        list[PlacedFeature],
+        "Its features: name, feature type, place in the object's frame, m.",
+    ]
+    looks: Annotated[list[Name], "The appearance types of its lobes."]
+    lobes: Annotated[
+        list[LobeNumbers],
+        "From where features are seen: number of the feature, number of the look, axis, half-angle, nearest and farthest distance, m, hit rate.",
+    ]
+    measured: Annotated[bool, "Whether the hit rates were measured."]
+    facets: NotRequired[
+        Annotated[list[Annotated[list[Name], Size(3)]], "Triangles of its surface whose corners are features."]
+    ]
+    faces: NotRequired[
+        Annotated[list[Annotated[list[Name], Size(3, 1000)]], "Polygons of its surface whose corners are features."]
+    ]
+    left_out: NotRequired[Annotated[dict[Name, Count], "Features that are not listed, by feature type."]]
+
+
+class ImageRow(TypedDict):
+    """The picture, base64; the size is the original's."""
+
+    media_type: Annotated[Literal["image/png", "image/jpeg"], "Kind of the picture."]
+    width: Annotated[Count, "Width of the original, pixels."]
+    height: Annotated[Count, "Height of the original, pixels."]
+    base64: Annotated[str, "The picture's bytes."]
+
+
+class MeshRow(TypedDict):
+    """A surface, m, object frame; ``slack``: how far off it may be."""
+
+    vertices: Annotated[list[Point3], "Points, object frame, m."]
+    triangles: Annotated[list[Annotated[list[Count], Size(3)]], "Numbers of three vertices each."]
+    slack: NotRequired[Annotated[Positive, "How far off the simplified surface may be, m."]]
+
+
+class AssetsRow(TypedDict):
+    """What is carried along to be looked at."""
+
+    image: NotRequired[Annotated[ImageRow, "The picture."]]
+    meshes: NotRequired[Annotated[dict[Name, MeshRow], "Surfaces by object type."]]
