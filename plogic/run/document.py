@@ -41,6 +41,7 @@ from plogic.match.judged.evidence import outline_rings
 from plogic.measures.distinctiveness import distinctiveness, instance_counts, probability_of_distinctiveness
 from plogic.measures.explanatory import case_of, probability_of_ev
 from plogic.run.carried import image_asset, mesh_assets, sensing_document, types_document
+from plogic.run.painted import paint_assets
 from plogic.scene.factors.asked_formulas import together
 from plogic.scene.readings.world_weights import p_ev
 from plogic.scene.worlds.predictions import doubts
@@ -109,7 +110,7 @@ def document_of(
         "labels": {},
         "sensing": sensing_document(kb),
         "types": types_document(kinds, kb),
-        "assets": {**image_asset(image), **mesh_assets(kinds)},
+        "assets": {**image_asset(image), **mesh_assets(kinds), **paint_assets(kinds)},
         "trace": trace,
     }
     better = surpassed(document)
@@ -293,12 +294,16 @@ def placed_in(document: Interpretation) -> tuple[str, ...]:
     ``h1 t1 (0.941) at (0.12, -0.03, 0.84) m, 0.85 m away``.
     """
     accepted = [h for h in document["hypotheses"] if h["status"] == "accepted"]
-    places = [_place([row[3] for row in h["T_camera_object"][:3]]) for h in accepted]
+    places = [place_of(h["T_camera_object"]) for h in accepted]
     return tuple(f"{name} {place}" for name, place in zip(accepted_in(document), places, strict=True))
 
 
-def _place(origin: Sequence[float]) -> str:
-    """A place (3,) m, in words; to centimetres, of what is nearer than 0.1 m to two digits of its distance."""
+def place_of(camera_from_object: Sequence[Sequence[float]]) -> str:
+    """Where the origin of a pose (4, 4) is, m, in words.
+
+    To centimetres, of what is nearer than 0.1 m to two digits of its distance.
+    """
+    origin = [float(row[3]) for row in camera_from_object[:3]]
     away = hypot(*origin)
     digits = max(2, 1 - floor(log10(away))) if away > 0.0 else 2
     x, y, z = (f"{round(value, digits) + 0.0:.{digits}f}" for value in origin)  # + 0.0: no -0.00

@@ -29,6 +29,23 @@ def told(kind, *texts, goals=()):
     return str(caught.value)
 
 
+@pytest.mark.parametrize(
+    ("program", "message"),
+    [
+        ("a.\nb('1', % 2\n  NINES).", "u.pl:3:3: holds a whole number of more digits than can be read"),
+        ("NINES::b.", "u.pl:1:1: holds a whole number of more digits than can be read"),
+    ],
+)
+def test_a_number_of_too_many_digits_has_a_place(program, message):
+    assert told(ProgramError, program.replace("NINES", "9" * 5000)) == message
+
+
+def test_a_number_that_becomes_too_large_is_told_in_words():
+    texts = [{"text": "b(X) :- X is 10**5000.\nquery(b(X)).", "file": "u.pl"}]
+    reply = reply_to({"texts": texts, "goals": [], "given": [], "names": None})
+    assert "a number gets more digits than can be written" in reply["error"]["reason"]
+
+
 CYCLES = {
     "a :- \\+ b.\nb :- \\+ a.\nquery(a).": "u.pl:2:6: a negation depends on itself (negative cycle): b :- \\+ a (u.pl:2), a :- \\+ b (u.pl:1)",
     "0.5::t.\na :- t,\n     \\+ a.\nquery(a).": "u.pl:3:6: a negation depends on itself (negative cycle): a :- \\+ a (u.pl:3)",

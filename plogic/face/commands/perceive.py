@@ -29,7 +29,7 @@ from plogic.facts.document import Interpretation
 from plogic.facts.interpretation import text_of
 from plogic.facts.situation import stopped_in
 from plogic.run.cameras import GivenCamera, Shot, shot_of, sized
-from plogic.run.document import placed_in, surpassed
+from plogic.run.document import place_of, placed_in, surpassed
 from plogic.run.perceive import perceiver_of
 from plogic.run.silence.beforehand import beforehand
 from plogic.run.sources import detected, gamma_of, is_gamma, kb_of
@@ -351,15 +351,16 @@ def _looked(panorama: "Panorama", frame: Input, shot: Shot | None, placed: Place
 
 
 def _line(frame: str, look: "Look", panorama: "Panorama") -> str:
-    """One line: what was recalled, what was found, what is known now."""
+    """One line: what was recalled, what was found, what is known now and where it is in this view's camera frame."""
     events = [step["event"] for step in look.interpretation["trace"]]
     told = [f"{events.count('recall')} recalled"] * ("recall" in events) + ["no search"] * ("no search" in events)
     stopped = stopped_in(look.interpretation)
     told += [REASONS[stopped]] if stopped else []
     told += [f"gone: {', '.join(look.gone)}"] * bool(look.gone)
-    known = ", ".join(
+    known = [
         f"{k.id} {k.standing.object_type.name} ({k.probability:.3f}{f', {k.age} views ago' if k.age else ''})"
+        f" {place_of(k.standing.before(look.view).tolist())}"
         for k in panorama.known
-    )
+    ]
     seen = f"{look.view.id} {frame}: {len(look.view.gamma.appearances)} appearances"
-    return f"{seen}; {'; '.join([*told, known or 'no known object'])}"
+    return f"{seen}; {'; '.join([*told, *(known or ['no known object'])])}"

@@ -136,7 +136,7 @@ class Told:
             self.say(f"{name}: {seen.doubt} (told once)")
         if seen.status == ERROR:
             self.say(f"{name}: {seen.error.splitlines()[0]}")
-        self._progress.at(f"{name}: {', '.join(seen.known) or 'no known object'}; {self.summary()}")
+        self._progress.at(f"{name}: {'; '.join(seen.known) or 'no known object'}; {self.summary()}")
 
     def say(self, line: str) -> None:
         """A line that stays."""

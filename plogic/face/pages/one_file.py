@@ -24,7 +24,7 @@ class PageError(BeliefError):
 
 KIT = "kit"
 """The folder of what every page shares."""
-SHARED = ("elements.js", "vectors.js", "stage.js", "webgl.js", "canvas.js")
+SHARED = ("elements.js", "vectors.js", "stage.js", "webgl.js", "canvas.js", "textured.js")
 """The parts of the script that every page has, in the order in which they build on each other; a page's own come after
 them."""
 
@@ -105,6 +105,7 @@ PARTS = PageParts(
         "key.js",
         "panels.js",
         "scene.js",
+        "paints.js",
         "eye.js",
         "webgl.js",
         "canvas.js",

@@ -15,6 +15,7 @@ from problog.errors import ProbLogError
 from problog.logic import And, AnnotatedDisjunction, Clause, Constant, Not, Or, Term, Var
 from problog.program import PrologString
 
+from geometry.digits import TOO_LONG, start_of_too_long
 from plogic.base.errors import ProgramError, UnknownPredicateError, UnsafeProgramError
 from plogic.logic.safety import labels
 from plogic.logic.safety.allowlist import (
@@ -31,6 +32,8 @@ from plogic.logic.safety.closest import closest
 
 LONGEST_TEXT = 20_000_000
 """Characters that a program may have."""
+_NO_NUMBERS = r"%.*|'(?:[^'\\]|\\.|'')*'|\"(?:[^\"\\]|\\.)*\""
+"""Comments and quoted texts of a program."""
 REMEMBERED_TEXT = 50_000
 """Characters of a text up to which it is remembered: its terms take some hundred times as many bytes."""
 
@@ -76,6 +79,9 @@ def _parsed(text: str, file: str, identifier: int) -> Source:
     except RecursionError:
         raise ProgramError("nested too deeply", file=file) from None
     except Exception as error:  # noqa: BLE001 - the parser raises what its actions raise (a cut, a bad number)
+        start = start_of_too_long(text, _NO_NUMBERS)
+        if start is not None:
+            raise ProgramError(TOO_LONG, file=file, **_line_column(text, start)) from None
         raise ProgramError(f"cannot be read as ProbLog ({error})", file=file) from None
 
 

@@ -123,12 +123,12 @@ function walk(event) {
 const icon = (...parts) => svg('svg', {viewBox: '-10 -10 20 20', width: 20, height: 20, 'aria-hidden': 'true'}, parts);
 const LAYERS = [['appearances', 'Appearances'], ['expected', 'Expected', true], ['hidden', 'Not expected', false]], PLAIN_LAYERS = [['outlines', 'Edges'], ['unseen', 'Hidden edges'], ['labels', 'Names']];
 const layer = (name, text) => toggle(name, state.layers.has(name), text, (on) => { state.layers[on ? 'add' : 'delete'](name); changed('layers'); });
-// So many marks cover what they are about: they are drawn when asked for.
+// So many marks, or any of a learned type, which has hundreds on a few pixels, cover what they are about: they are drawn when asked for.
 const MANY = 200;
 const BUSY = (() => {
   const rows = standing(worlds[0]).flatMap((h) => list(h.features).map((f) => [f, caseOf(h, f).letter]));
   const n = crowded ? rows.filter(([f, letter]) => 'ACD'.includes(letter || '-') && !(f.stands_for > 1)).length : appearances.length + rows.filter(([, letter]) => letter).length;
-  return n > MANY ? n : 0;
+  return n > MANY || rows.some(([f]) => f.learned_rate != null) ? n : 0;
 })();
 function startPicture() {
   put('picture', canvasSvg);
