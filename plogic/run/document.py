@@ -227,6 +227,8 @@ def _verdict(belief: Hypothesis, gamma: Gamma, dv: Mapping[str, float]) -> Verdi
         verdict["pixels"] = belief.pixels
     if belief.pixel_table is not None:
         verdict |= belief.pixel_table.document()  # type: ignore[typeddict-item] # keys of a verdict
+    if belief.pose_probability is not None:
+        verdict["pose_probability"] = belief.pose_probability
     if missing is not None:
         verdict["left_out"] = missing
     verdict["outline"] = outline_rings(posed, gamma.camera)
