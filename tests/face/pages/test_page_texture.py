@@ -11,6 +11,7 @@ from page_checks import DATA, complaints, shown_as
 from painted_cube import CAMERA, CORNER, cloud, picture, pose_towards, seen, write_knowledge
 
 from geometry.camera import camera_to_dict
+from plogic.face.pages.one_file import page
 from plogic.run.carried import MOST_TRIANGLES
 from plogic.run.painted import LARGEST_PAINT
 
@@ -65,6 +66,28 @@ def test_marks_of_a_learned_type_are_drawn_on_demand(chromium, folder, tmp_path)
     assert browser.run(MARKS)
 
 
+def test_where_features_are_missed_is_hatched_and_can_be_switched_off(chromium, folder, tmp_path):
+    document = json.loads((folder / "seen.json").read_text())
+    (h,) = [h for h in document["hypotheses"] if h["status"] == "accepted"]
+    expected = [f for f in h["features"] if f["case"] in ("A", "C")]
+    assert len(expected) > 20
+    for f in expected:
+        f["case"] = "A"
+    assert count(shown_as(chromium, tmp_path, page(document))) == 0
+    for f in expected:
+        f["case"] = "C"
+    browser = shown_as(chromium, tmp_path, page(document))
+    assert count(browser) == 1
+    assert "hatched" in browser.run("return document.querySelector('#signs-key').textContent")
+    browser.click("[data-layer='missed']")
+    assert count(browser) == 0
+    assert complaints(browser) == []
+
+
+def count(browser):
+    return browser.run("return document.querySelectorAll('#picture .missed').length")
+
+
 def test_what_is_carried_is_small_and_the_same_each_time(folder):
     text = (folder / "seen.json").read_text()
     (paint,) = json.loads(text)["assets"]["paints"].values()
@@ -75,7 +98,5 @@ def test_what_is_carried_is_small_and_the_same_each_time(folder):
 
 
 def test_a_type_without_a_texture_has_no_switch(chromium, towers, tmp_path):
-    from plogic.face.pages.one_file import page
-
     browser = shown_as(chromium, tmp_path, page(towers))
     assert browser.run("return document.querySelector(\"[data-layer='texture']\")") is None
