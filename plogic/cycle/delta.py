@@ -167,7 +167,7 @@ def delta_of(
     group = instances({name: some.type for name, some in posed.items()}, exclusive)
     rates = {name: fitted(some, data, kb, some.hidden) for name, some in posed.items()}
     if models:
-        posed = _with_pixels(posed, group, overlaps, data, models)
+        posed = _pictured(posed, group, overlaps, data, models)
     rows = zip(data.ids, data.types, data.uv.tolist(), clutter_density(kb, data).tolist(), strict=True)
     hypotheses = tuple(
         _hypothesis(name, some, group[name], hiding, rates[name], data, dv) for name, some in posed.items()
@@ -244,19 +244,19 @@ def _hidden(
     return mask
 
 
-def _with_pixels(
+def _pictured(
     posed: Mapping[str, Hypothesis],
     group: Mapping[str, str],
     overlaps: frozenset[tuple[str, str]],
     data: Data,
     models: Mapping[str, TypeModel],
 ) -> dict[str, Hypothesis]:
-    """The hypotheses, each told what its pixels say beside those that can be present with it (§9.10)."""
+    """The hypotheses, each told what the photo says of it beside those that can be present with it (§9.10)."""
     result = {}
     for name, some in posed.items():
         apart = {other for pair in overlaps if name in pair for other in pair}
         others = {y: g for y, g in posed.items() if y != name and y not in apart and group[y] != group[name]}
-        result[name] = some.told(pixel_table=models[some.type].pixel_table(some, others, data))
+        result[name] = models[some.type].pictured(some, others, data)
     return result
 
 

@@ -51,8 +51,25 @@ class MeshRow(TypedDict):
     slack: NotRequired[Annotated[Positive, "How far off the simplified surface may be, m."]]
 
 
+class TextureRow(TypedDict):
+    """The texture of a surface, base64."""
+
+    media_type: Annotated[Literal["image/jpeg"], "Kind of the picture."]
+    base64: Annotated[str, "The picture's bytes."]
+
+
+class PaintRow(TypedDict):
+    """A surface with its texture, to be looked at; arrays are base64, little-endian."""
+
+    vertices: Annotated[str, "Points, object frame, m: float32, three each."]
+    triangles: Annotated[str, "Numbers of three vertices each: uint16."]
+    uv: Annotated[str, "Texture coordinates of each vertex, (0, 0) at the lower left: float32, two each."]
+    picture: Annotated[TextureRow, "The texture."]
+
+
 class AssetsRow(TypedDict):
     """What is carried along to be looked at."""
 
     image: NotRequired[Annotated[ImageRow, "The picture."]]
     meshes: NotRequired[Annotated[dict[Name, MeshRow], "Surfaces by object type."]]
+    paints: NotRequired[Annotated[dict[Name, PaintRow], "Surfaces with their textures, by object type."]]

@@ -167,3 +167,8 @@ class PixelKeys(TypedDict):
     pixels_left_out: NotRequired[
         Annotated[list[Name], "Who else is before it, and is not looked at, since at most six are."]
     ]
+    pose_probability: NotRequired[
+        Annotated[
+            Chance, "P(its pose is within a tenth of its diameter of the true one (ADD), given that it is present)."
+        ]
+    ]

@@ -141,7 +141,8 @@ class Hypothesis:
 
     ``pixels``: how well the photo fits, at the pose that was moved to where it fits best (``sensing.pixels``), the
     logarithm of a likelihood, about; None where there is no photo, or no paint. ``pixel_table``: the same by who stands
-    before it, as the posterior is told; None where there is no ``pixels``.
+    before it, as the posterior is told; None where there is no ``pixels``. ``pose_probability``: P(its pose is right,
+    given that it is present), by the photo; None where that is not known.
 
     ``worth`` is the log-likelihood ratio against clutter, ``surplus`` what is left of it besides what any pose has.
     ``ev`` is that of the hypothesis alone, ``ev_reconsidered`` that beside Δi; None where it is 0/0 or was not asked.
@@ -183,6 +184,7 @@ class Hypothesis:
     axes: NDArray[np.float64] | None = field(default=None, repr=False)
     pixels: float | None = field(default=None, repr=False)
     pixel_table: PixelTable | None = None
+    pose_probability: float | None = None
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "camera_from_object", np.asarray(self.camera_from_object, np.float64))

@@ -147,6 +147,7 @@ def _hypothesis(h: HypothesisRow) -> Hypothesis:
         parts=tuple(PartFact(p["id"], p["parent"], p["kind"], p["type"]) for p in h["parts"]),
         pixels=h.get("pixels"),
         pixel_table=table_of(h["pixels_beside"], h.get("pixels_left_out", ())) if "pixels_beside" in h else None,
+        pose_probability=h.get("pose_probability"),
     )
 
 

@@ -41,6 +41,7 @@ from plogic.match.judged.evidence import outline_rings
 from plogic.measures.distinctiveness import distinctiveness, instance_counts, probability_of_distinctiveness
 from plogic.measures.explanatory import case_of, probability_of_ev
 from plogic.run.carried import image_asset, mesh_assets, sensing_document, types_document
+from plogic.run.painted import paint_assets
 from plogic.scene.factors.asked_formulas import together
 from plogic.scene.readings.world_weights import p_ev
 from plogic.scene.worlds.predictions import doubts
@@ -109,7 +110,7 @@ def document_of(
         "labels": {},
         "sensing": sensing_document(kb),
         "types": types_document(kinds, kb),
-        "assets": {**image_asset(image), **mesh_assets(kinds)},
+        "assets": {**image_asset(image), **mesh_assets(kinds), **paint_assets(kinds)},
         "trace": trace,
     }
     better = surpassed(document)
@@ -226,6 +227,8 @@ def _verdict(belief: Hypothesis, gamma: Gamma, dv: Mapping[str, float]) -> Verdi
         verdict["pixels"] = belief.pixels
     if belief.pixel_table is not None:
         verdict |= belief.pixel_table.document()  # type: ignore[typeddict-item] # keys of a verdict
+    if belief.pose_probability is not None:
+        verdict["pose_probability"] = belief.pose_probability
     if missing is not None:
         verdict["left_out"] = missing
     verdict["outline"] = outline_rings(posed, gamma.camera)

@@ -114,7 +114,8 @@ class Hypothesis:
 
     ``T_camera_object`` (4, 4) maps points of the object's frame to the camera's, metres. ``status`` is accepted, rival
     or rejected. ``cases`` gives each feature its case A, B, C or D of §4, None outside the image. ``interval`` bounds
-    the probability.
+    the probability. ``pose_probability``: P(its pose is within a tenth of its diameter of the true one (ADD), given
+    that it is present), by a photo; None without one.
     """
 
     id: str
@@ -126,6 +127,7 @@ class Hypothesis:
     interval: tuple[float, float]
     status: str
     cases: dict[str, str | None]
+    pose_probability: float | None = None
 
     def __eq__(self, other: object) -> bool:
         return _plain(self) == _plain(other) if isinstance(other, Hypothesis) else NotImplemented
@@ -361,6 +363,7 @@ def _hypothesis(row: rows.HypothesisRow | rows.RejectedRow) -> Hypothesis:
         _interval(row),
         row["status"],
         {f["id"]: f.get("case") for f in row["features"]},
+        row.get("pose_probability"),
     )
 
 

@@ -39,6 +39,12 @@ def missed_on(h: HypothesisRow, size: tuple[int, int]) -> Mask:
     return np.asarray(inside & (usual >= ENOUGH) & (found < FEW * usual))
 
 
+def missed_rings(h: HypothesisRow, size: tuple[int, int]) -> list[list[list[float]]]:
+    """The rings, pixels, about the places of ``missed_on``."""
+    found = cv2.findContours(missed_on(h, size).astype(np.uint8), cv2.RETR_CCOMP, cv2.CHAIN_APPROX_TC89_L1)[0]
+    return [ring.reshape(-1, 2).tolist() for ring in found if len(ring) > 2]
+
+
 def silhouette(h: HypothesisRow, size: tuple[int, int]) -> Mask:
     """(height, width) of an image of ``size``: what is within the outline."""
     mask = np.zeros(size[::-1], np.uint8)

@@ -19,7 +19,6 @@ from geometry.bodies.resting import Plane, RestingFaces
 from kb.clouds.cloud import KnowledgeBase, ObjectType
 from plogic.base.clock import unhurried
 from plogic.facts.hypothesis import Hypothesis
-from plogic.facts.pixel_table import PixelTable
 from plogic.match.gamma.data import Data
 
 Found: TypeAlias = list[tuple[float, Hypothesis]]
@@ -146,9 +145,9 @@ class TypeModel(Protocol):
         """A hypothesis told anew what only the picture says of it, where these others may hide it."""
         return posed
 
-    def pixel_table(self, posed: Hypothesis, others: Mapping[str, Hypothesis], data: Data) -> PixelTable | None:  # noqa: ARG002 - a kind may have more to say
-        """What the photo's pixels say of a hypothesis by which of these others, by id, are present; None: not asked."""
-        return None
+    def pictured(self, posed: Hypothesis, others: Mapping[str, Hypothesis], data: Data) -> Hypothesis:  # noqa: ARG002 - a kind may have more to say
+        """A hypothesis told what the photo says of it by which of these others, by id, are present."""
+        return posed
 
     def significance(self, posed: Hypothesis) -> float:
         """The log-likelihood ratio that a hypothesis must exceed, beyond what any pose has."""

@@ -22,7 +22,6 @@ from kb.clouds.learned import LearnedCloud
 from kb.clouds.words import POINT, SIDE
 from plogic.base.jobs import each
 from plogic.facts.hypothesis import Hypothesis
-from plogic.facts.pixel_table import PixelTable
 from plogic.match.gamma.data import Data
 from plogic.match.judged.evidence import evidence
 from plogic.match.judged.expectation import polished, settled
@@ -30,7 +29,7 @@ from plogic.match.judged.type_models import SURE, Found, Given, Ranks, Request, 
 from plogic.match.learned.agreement import Lobes, lobes_of
 from plogic.match.learned.keypoints import Lexicon, lexicon_of
 from plogic.match.learned.learned_match import ROBUST, matched, pose_of, precision
-from plogic.match.learned.learned_pixels import hiding, looked_among, looked_beside
+from plogic.match.learned.learned_pixels import hiding, looked_beside, pictured
 from plogic.match.learned.learned_poses import NOBODY, REFINED, Voted, generate, resting, voted
 from plogic.measures.distinctiveness import Kinds, kinds_of, rank_of_kinds
 
@@ -181,9 +180,9 @@ class LearnedIndex:
         """A hypothesis told anew what its pixels say, where these others may hide it."""
         return looked_beside(self, posed, others, data)
 
-    def pixel_table(self, posed: Hypothesis, others: Mapping[str, Hypothesis], data: Data) -> PixelTable | None:
-        """What the photo's pixels say of it, by which of these others, by id, are present."""
-        return looked_among(self, posed, others, data)
+    def pictured(self, posed: Hypothesis, others: Mapping[str, Hypothesis], data: Data) -> Hypothesis:
+        """A hypothesis told what its pixels say by which of these others, by id, are present; and how sure its pose."""
+        return pictured(self, posed, others, data)
 
     def significance(self, posed: Hypothesis) -> float:  # noqa: ARG002 - of other kinds it depends on the hypothesis
         """All poses of a learned type are counted in its evidence."""

@@ -4,7 +4,7 @@ A pixel counts once, for what stands in front: a hypothesis behind an accepted o
 
 * ``by_pixels``: of the poses of a search those that the pixels speak for, as hypotheses
 * ``looked_beside``: a hypothesis told anew what its pixels say, beside others
-* ``looked_among``: what they say by who of others is present
+* ``pictured``: told what they say by who of others is present, and how surely its pose is right
 """
 
 from __future__ import annotations
@@ -112,7 +112,25 @@ def looked_beside(index: LearnedIndex, posed: Hypothesis, others: Sequence[Hypot
     return posed if crop is None else posed.told(pixels=fit_of(crop, index.paint, posed.camera_from_object).odds)
 
 
-def looked_among(
+def pictured(index: LearnedIndex, posed: Hypothesis, others: Mapping[str, Hypothesis], data: Data) -> Hypothesis:
+    """The hypothesis with its ``pixel_table`` and ``pose_probability``, where its pixels were asked.
+
+    ``others``, by id, are those that can be present beside it; what of them is accepted may hide some of it.
+    """
+    table = _looked_among(index, posed, others, data)
+    if table is None:
+        return posed
+    from sensing.pixels.sureness import sureness
+
+    assert data.photo is not None  # noqa: S101 - else there were no table
+    assert index.paint is not None  # noqa: S101
+    before = hiding([others[name] for name in table.names if others[name].status == "accepted"])
+    symmetries = index.object_type.symmetries
+    sure = sureness(data.photo, index.paint, posed.camera_from_object, symmetries, before)
+    return posed.told(pixel_table=table, pose_probability=sure)
+
+
+def _looked_among(
     index: LearnedIndex, posed: Hypothesis, others: Mapping[str, Hypothesis], data: Data
 ) -> PixelTable | None:
     """What its pixels say by who of others, by id, is present; None where they were not asked.

@@ -104,7 +104,7 @@ def presence(situation: Situation, name: str, world: Sequence[str]) -> tuple[str
     told = _score(view) if situation.reading == "score" else _posterior(view)
     beside = ", ".join(w for w in world if w != name) or "no other"
     where = f"{name} is a {view.h.type}; in the most probable world that holds it, beside {beside}:"
-    return (where, *told, *_usual(view), *_pixels(view), *_held(view), *_excluded(view))
+    return (where, *told, *_usual(view), *_pixels(view), *_sure(view), *_held(view), *_excluded(view))
 
 
 def _score(view: View) -> Iterator[str]:
@@ -150,6 +150,12 @@ def _pixels(view: View) -> Iterator[str]:
     if fit is not None:
         mark, how = ("for", "is") if fit > 0.0 else ("against", "is not")
         yield f"  {mark}: drawn at its pose it {how} what the photo shows, by outline, colours and print: {fit:+.3g} in log-odds{where}"
+
+
+def _sure(view: View) -> Iterator[str]:
+    """How surely its pose is right, where a photo was asked."""
+    if view.h.pose_probability is not None:
+        yield f"  if it is there, its pose is within a tenth of its diameter of the true one (ADD) with probability {view.h.pose_probability:.3f}"
 
 
 def _by_type(features: list[FeatureFact], *, name_all: bool) -> str:

@@ -8,6 +8,8 @@ from geometry.frames import transform_points
 from kb.files.read import read_kb
 from plogic.base.clock import Stopwatch
 from plogic.cycle.delta import Options
+from plogic.face.python.interpretation import Interpretation
+from plogic.face.shown.tables import measures
 from plogic.facts.interpretation import situation_of, text_of
 from plogic.facts.pixel_table import PixelTable
 from plogic.match.judged.evidence import SUREST_MISSED, as_fitted, evidence
@@ -128,15 +130,15 @@ def test_pixels_are_told_by_who_is_before(perceiver):
     farther = TRUE.copy()
     farther[:3, 3] *= 1.3
     behind = index.settle(farther, data, perceiver.kb, rounds=0).told(pixels=30.0)
-    table = index.pixel_table(behind, {"h1": found}, data)
+    table = index.pictured(behind, {"h1": found}, data).pixel_table
     assert table.occluders == ("h1",)
     assert table.odds[1] == index.beside(behind, [found], data).pixels
     assert table.odds[0] < 30.0
-    assert index.pixel_table(found, {"h2": behind}, data) == PixelTable((), (found.pixels,))
-    assert index.pixel_table(behind, {}, data) == PixelTable((), (30.0,))
-    assert index.pixel_table(behind.told(pixels=None), {"h1": found}, data) is None
+    assert index.pictured(found, {"h2": behind}, data).pixel_table == PixelTable((), (found.pixels,))
+    assert index.pictured(behind, {}, data).pixel_table == PixelTable((), (30.0,))
+    assert index.pictured(behind.told(pixels=None), {"h1": found}, data).pixel_table is None
     many = {f"h{i}": found for i in range(8)}
-    assert index.pixel_table(behind, many, data)[0::2] == (("h0", "h1", "h2", "h3", "h4", "h5"), ("h6", "h7"))
+    assert index.pictured(behind, many, data).pixel_table[0::2] == (("h0", "h1", "h2", "h3", "h4", "h5"), ("h6", "h7"))
 
 
 def test_the_same_photo_gives_the_same_bytes(perceiver):
@@ -152,3 +154,26 @@ def test_copies_of_the_process_come_to_the_same(perceiver):
     (_, [one]), (_, [other]) = (accepted(some, gamma, image) for some in (perceiver, two))
     assert np.array_equal(one.camera_from_object, other.camera_from_object)
     assert one.pixels == other.pixels
+
+
+def test_a_pose_is_told_how_surely_it_is_right(perceiver):
+    """In the document, its table, the explanation and Python; a pose that is off is told to be so."""
+    image = picture([TRUE], seed=3)
+    gamma = gamma_of(perceiver, image)
+    document = perceiver(gamma, Options(), image)
+    (row,) = [h for h in document["hypotheses"] if h["status"] == "accepted"]
+    assert row["pose_probability"] > 0.9
+    assert situation_of(document).hypotheses[0].pose_probability == row["pose_probability"]
+    assert Interpretation(document).hypotheses[0].pose_probability == row["pose_probability"]
+    told = f"within a tenth of its diameter of the true one (ADD) with probability {row['pose_probability']:.3f}"
+    assert any(told in line for line in present(situation_of(document), "present(h1)").summary)
+    assert "P(pose)" in [column.header for column in measures(document).columns]
+    without = perceiver(gamma, Options())
+    assert all("pose_probability" not in h for h in without["hypotheses"])
+    assert "P(pose)" not in [column.header for column in measures(without).columns]
+    data, [found] = accepted(perceiver, gamma, image)
+    index, off_by = perceiver.models["cube"], TRUE.copy()
+    off_by[:3, 3] *= 1.25
+    wrong = index.settle(off_by, data, perceiver.kb, rounds=0).told(pixels=0.0)
+    assert index.pictured(wrong, {}, data).pose_probability < 0.1
+    assert index.pictured(found, {}, data).pose_probability == row["pose_probability"]
