@@ -27,6 +27,7 @@ if TYPE_CHECKING:
 GREEN, ORANGE, RED = (115, 158, 0), (0, 159, 230), (0, 94, 213)
 """Blue, green, red; of Okabe and Ito's palette, which colour-blind eyes tell apart."""
 TEXT = 0.6
+LEGEND = "dashed: the truth; green: right; orange: found; red: neither"
 
 
 def drawn(
@@ -49,18 +50,18 @@ def drawn(
     pencil = Pencil(picture, scale)
     told = {number: (error, overlap) for number, error, overlap in rows}
     labels: list[tuple[str, Colour, list[Floats]]] = []
-    for truth in truths:
-        rings = _rings(truth, surfaces[truth.obj_id], camera)
-        if told[truth.obj_id][0] is None:
-            labels.append((f"{names[truth.obj_id]}: missed", WHITE, rings))
-        for ring in rings:
-            pencil.stroke(ring.tolist(), WHITE, 2, dashed=True)
     for answer in answers:
         text, colour = _verdict(*told.get(answer.obj_id, (None, None)), there=answer.obj_id in unposed)
         rings = _rings(answer, surfaces[answer.obj_id], camera)
         labels.append((f"{names[answer.obj_id]}: {text}", colour, rings))
         for ring in rings:
             pencil.stroke(ring.tolist(), colour, 2, dashed=False)
+    for truth in truths:  # on top: what is right is seen between its dashes
+        rings = _rings(truth, surfaces[truth.obj_id], camera)
+        if told[truth.obj_id][0] is None:
+            labels.append((f"{names[truth.obj_id]}: missed", WHITE, rings))
+        for ring in rings:
+            pencil.stroke(ring.tolist(), WHITE, 2, dashed=True)
     _write(pencil, labels)
     return picture
 
@@ -86,7 +87,9 @@ def _write(pencil: Pencil, labels: Sequence[tuple[str, Colour, list[Floats]]]) -
         for ring in rings:
             cv2.fillPoly(mask, [np.rint([pencil.at(p) for p in ring]).astype(np.int32)], 1)
     cover = np.asarray(cv2.integral(mask), np.float64)
-    taken: list[Box] = []
+    wide, high = pencil.size(LEGEND, TEXT)
+    taken: list[Box] = [(8.0, height - 10.0 - high, 8.0 + wide, height - 10.0)]
+    pencil.text(LEGEND, taken[0], TEXT, WHITE)
     for text, colour, rings in labels:
         if rings:
             places = np.array([pencil.at(p) for ring in rings for p in ring])

@@ -59,12 +59,13 @@ class TextureRow(TypedDict):
 
 
 class PaintRow(TypedDict):
-    """A surface with its texture, to be looked at; arrays are base64, little-endian."""
+    """A surface with its texture or its vertices' colours, to be looked at; arrays are base64, little-endian."""
 
     vertices: Annotated[str, "Points, object frame, m: float32, three each."]
     triangles: Annotated[str, "Numbers of three vertices each: uint16."]
-    uv: Annotated[str, "Texture coordinates of each vertex, (0, 0) at the lower left: float32, two each."]
-    picture: Annotated[TextureRow, "The texture."]
+    uv: NotRequired[Annotated[str, "Texture coordinates of each vertex, (0, 0) at the lower left: float32, two each."]]
+    picture: NotRequired[Annotated[TextureRow, "The texture."]]
+    colours: NotRequired[Annotated[str, "Instead of these: red, green, blue of each vertex: uint8, three each."]]
 
 
 class AssetsRow(TypedDict):

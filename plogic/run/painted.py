@@ -139,10 +139,51 @@ def _paint(kind: ObjectType) -> PaintRow | None:
     mesh = painted_mesh(kind)[0]
     if mesh is None or mesh.texture is None:
         return None
+    if mesh.uv is not None and len(mesh.vertices) > SPLIT * len(mesh.triangles):
+        return _coloured(mesh.vertices, mesh.triangles, mesh.uv, mesh.texture)
     drawn = coarser(Drawn(mesh.vertices, mesh.triangles, mesh.uv), MOST_TRIANGLES)
     return {
         "vertices": floats(drawn.vertices),
         "triangles": shorts(drawn.triangles),
         "uv": floats(np.zeros((0, 2)) if drawn.uv is None else drawn.uv),
         "picture": texture_picture(mesh.texture, LARGEST_PAINT, LONGEST_PAINT)[0],
+    }
+
+
+SPLIT = 2.5
+"""Corners a triangle from which nearly each has its own piece of the texture, as one made of vertices' colours: joined
+corners would have a mixture of pieces."""
+MOST_COLOURED = 10_000
+"""Triangles that are carried with vertices' colours: as many bytes as ``MOST_TRIANGLES`` with a texture."""
+INWARD = 0.3
+"""Share of the way to the middle of its piece at which a corner's colour is taken, off the piece's rim."""
+
+
+def _coloured(
+    vertices: NDArray[np.float64],
+    triangles: NDArray[np.int64],
+    uv: NDArray[np.float64],
+    texture: NDArray[np.uint8],
+) -> PaintRow:
+    """The surface with a colour at each place; places of one grid cell are made one where it is too large."""
+    corners = uv[triangles]
+    inside = (corners + INWARD * (corners.mean(axis=1, keepdims=True) - corners)).reshape(-1, 2) % 1.0
+    height, width = texture.shape[:2]
+    x = np.minimum((inside[:, 0] * width).astype(int), width - 1)
+    y = np.minimum(((1.0 - inside[:, 1]) * height).astype(int), height - 1)
+    colour = texture[y, x, ::-1].astype(float)
+    place = alike(np.round(vertices / np.ptp(vertices, axis=0).max() * 1e6))
+    for cells in GRIDS:
+        faces = place[triangles]
+        kept = whole(faces)
+        if len(kept) <= MOST_COLOURED:
+            break
+        place = cells_of(vertices, cells)
+    used, index = np.unique(faces[kept], return_inverse=True)
+    shades = np.zeros((int(place.max()) + 1, 3))
+    shades[np.unique(faces)] = means(colour, np.unique(faces, return_inverse=True)[1].reshape(-1))
+    return {
+        "vertices": floats(means(vertices, place)[used]),
+        "triangles": shorts(index.reshape(-1, 3)),
+        "colours": _text(np.round(shades[used]).astype(np.uint8)),
     }

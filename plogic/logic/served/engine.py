@@ -199,12 +199,13 @@ def ask(request: dict[str, Any], limits: Limits) -> dict[str, Any]:
         from plogic.logic.safety.author import load_problog
 
         load_problog()
+        from plogic.logic.safety.closest import counting
         from plogic.logic.safety.recursion import endless
 
-        suspect = endless(request["texts"], request["goals"])
-        if not suspect:
+        hints = endless(request["texts"], request["goals"]), counting(request["texts"], request["goals"])
+        if not any(hints):
             raise
-        raise LimitError(f"{error}; {suspect}") from None
+        raise LimitError("; ".join([str(error), *filter(None, hints)])) from None
     return reply
 
 

@@ -13,7 +13,7 @@ from plogic.facts.vocabulary import VOCABULARY, entries
 
 FACTS = (
     "object_type/1", "type_opaque/1", "type_part/2", "type_feature/3", "type_look/4", "facet/2", "face/2", "object_part/1",
-    "hypothesis/2", "instance/2", "in_image/2", "in_lobe/2", "self_hidden/2",
+    "hypothesis/2", "instance/2", "hypotheses/1", "hypotheses_of/2", "in_image/2", "in_lobe/2", "self_hidden/2",
     "behind_surface/3", "match/3", "preferred/3", "datum/2", "overlap/2", "rival_pair/2", "exclusive/2", "outline_relation/3",
     "outline_roc/3", "part_relation/3", "part_roc/3", "at/4", "distance/2", "body_middle/4", "body_nearest/2", "up_direction/3", "inside_image/1",
     "cut_by_image/1", "body_gap/3", "body_over/2", "stands_on/2", "stands_on_both/3", "weighs/1", "open_foot/3", "body_rests/2", "dv/2",

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import base64
 import json
 
 import cv2
@@ -56,6 +57,20 @@ def test_a_textured_surface_is_shown_with_its_texture(request, folder, tmp_path,
     assert len(set(painted) - set(plain)) > (100 if painter == "webgl" else 3)  # twelve triangles, a colour each
     browser.click("[data-layer='texture']")
     settled(browser, "1")
+    assert complaints(browser) == []
+
+
+@pytest.mark.parametrize("which", ["chromium", "flat_chromium"])
+def test_colours_of_vertices_are_shown_too(request, folder, tmp_path, which):
+    document = json.loads((folder / "seen.json").read_text())
+    (paint,) = document["assets"]["paints"].values()
+    del paint["uv"], paint["picture"]
+    number = len(base64.b64decode(paint["vertices"])) // 12
+    paint["colours"] = base64.b64encode(bytes([10, 200, 30] * number)).decode()
+    browser = shown_as(request.getfixturevalue(which), tmp_path, page(document))
+    settled(browser, "1")
+    shades = [[16 * int(x) for x in row.split(",")] for row in browser.run(COLOURS)]
+    assert any(g > 140 and r < 40 and b < 50 for r, g, b in shades)
     assert complaints(browser) == []
 
 

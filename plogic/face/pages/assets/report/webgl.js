@@ -6,6 +6,8 @@ const PICTURE = ['attribute vec3 p;attribute vec2 t;uniform mat4 m;varying vec2 
 
 const PAINTED = ['attribute vec3 p;attribute vec3 n;attribute vec2 t;uniform mat4 m;uniform vec3 e;varying vec2 u;varying float l;void main(){gl_Position=m*vec4(p,1.);u=t;l=abs(dot(n,e));}',
   'precision mediump float;varying vec2 u;varying float l;uniform sampler2D x;void main(){gl_FragColor=vec4(texture2D(x,u).rgb*(.85+.17*l),1.);}'];
+const COLOURED = ['attribute vec3 p;attribute vec3 n;attribute vec3 c;uniform mat4 m;uniform vec3 e;varying vec3 v;void main(){gl_Position=m*vec4(p,1.);v=c*(.85+.17*abs(dot(n,e)));}',
+  'precision mediump float;varying vec3 v;void main(){gl_FragColor=vec4(v,1.);}'];
 
 // Column-major product of a matrix and a pose whose rows are given.
 const posedBy = (m, T) => [0, 1, 2, 3].flatMap((j) => [0, 1, 2, 3].map((i) => [0, 1, 2, 3].reduce((sum, k) => sum + m[4 * k + i] * T[k][j], 0)));
@@ -21,8 +23,8 @@ function textureOf(gl, image) {
 }
 
 function webglPainter(canvas) {
-  const gl = webgl(canvas), plain = gl && program(gl, PLAIN, ['p', 'c', 'k']), pictured = gl && program(gl, PICTURE, ['p', 't']), covered = gl && program(gl, PAINTED, ['p', 'n', 't']);
-  if (!plain || !pictured || !covered) return null;
+  const gl = webgl(canvas), plain = gl && program(gl, PLAIN, ['p', 'c', 'k']), pictured = gl && program(gl, PICTURE, ['p', 't']), covered = gl && program(gl, PAINTED, ['p', 'n', 't']), coloured = gl && program(gl, COLOURED, ['p', 'n', 'c']);
+  if (!plain || !pictured || !covered || !coloured) return null;
   const buffer = gl.createBuffer();
   const bodies = new Map();
   let texture = null;
@@ -30,18 +32,18 @@ function webglPainter(canvas) {
     if (!bodies.has(p)) {
       const rows = gl.createBuffer();
       gl.bindBuffer(gl.ARRAY_BUFFER, rows);
-      gl.bufferData(gl.ARRAY_BUFFER, cornerRows(p), gl.STATIC_DRAW);
-      bodies.set(p, {rows, texture: repeated(gl, p.image)});
+      gl.bufferData(gl.ARRAY_BUFFER, paintRows(p), gl.STATIC_DRAW);
+      bodies.set(p, {rows, texture: p.image && repeated(gl, p.image)});
     }
     return bodies.get(p);
   };
   const drawPainted = ([p, T], m, light) => {
-    const its = body(p);
-    use(gl, covered, posedBy(m, T));
-    gl.uniform3fv(covered.u('e'), turnedBack(light, T));
-    gl.bindTexture(gl.TEXTURE_2D, its.texture);
+    const its = body(p), by = p.image ? covered : coloured;
+    use(gl, by, posedBy(m, T));
+    gl.uniform3fv(by.u('e'), turnedBack(light, T));
+    if (p.image) gl.bindTexture(gl.TEXTURE_2D, its.texture);
     gl.bindBuffer(gl.ARRAY_BUFFER, its.rows);
-    attributes(gl, [3, 3, 2]);
+    attributes(gl, [3, 3, p.image ? 2 : 3]);
     gl.drawArrays(gl.TRIANGLES, 0, p.triangles.length);
   };
   if (IMAGE) load(IMAGE, (image) => { if (!gl.isContextLost()) { texture = textureOf(gl, image); redraw(); } });
