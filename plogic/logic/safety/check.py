@@ -5,6 +5,7 @@ findall/3 and the like. It says all that is wrong at once. What a program builds
 call(X)``) is for the second layer (``engine``).
 """
 
+import warnings
 from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass, field
 from functools import lru_cache
@@ -72,8 +73,10 @@ def parse(text: str, file: str = "program", identifier: int = 0) -> Source:
 
 def _parsed(text: str, file: str, identifier: int) -> Source:
     try:
-        program = PrologString(text, identifier=identifier)
-        return Source(text, file, tuple(program), program)
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore")  # its parser's, of == and \==, which name its own file
+            program = PrologString(text, identifier=identifier)
+            return Source(text, file, tuple(program), program)
     except ProbLogError as error:
         raise ProgramError(error.base_message, file=file, **_line_column(text, error.location)) from None
     except RecursionError:
