@@ -75,6 +75,14 @@ def test_a_relation_that_does_not_hold_says_which_does():
     assert lines[-1] == "so it holds in no world, whoever is present"
 
 
+def test_of_a_goal_with_variables_the_most_probable_answer_is_told():
+    account = present(towers("score"), "partially_occludes(X, t2)")
+    assert account.summary[0] == "the most probable answer, partially_occludes(t1, t2):"
+    assert account.summary[1:] == related(towers("score"), "partially_occludes(t1, t2)")[1]
+    assert account.answers == len(answers(towers("score"), "partially_occludes(X, t2)"))
+    assert present(towers("score"), "cause(A, t1, F)") is None
+
+
 def test_the_misses_are_there_beside_it():
     account = explain(towers("score"), "partially_occludes(t2, t1)")
     assert account.summary

@@ -195,6 +195,13 @@ def ask(request: dict[str, Any], limits: Limits) -> dict[str, Any]:
         reply = _ask(request, limits) if process is None else process(request)
         if "error" in reply:
             _raise(reply["error"], limits)
+    except errors.NonGroundError as error:
+        if not any("findall(" in goal for goal in request["goals"]):
+            raise
+        named = "write it as a rule, n(N) :- findall(...), ..., in the program or --rules FILE, and ask n(N)"
+        raise errors.NonGroundError(
+            f"{error.reason}: {named}", file=error.file, line=error.line, column=error.column
+        ) from None
     except LimitError as error:
         from plogic.logic.safety.author import load_problog
 

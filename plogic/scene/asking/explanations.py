@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING, Any
 from plogic.base.errors import LimitError, OutsideError
 from plogic.facts.situation import Situation
 from plogic.logic.served.engine import Limits, ask, request_of
-from plogic.scene.asking.query import Subject, subject_text
+from plogic.scene.asking.query import Subject, answers, subject_text
 
 if TYPE_CHECKING:
     from plogic.scene.asking.live import LiveScene
@@ -186,10 +186,16 @@ def present(subject: Subject, goal: str, *, given: Sequence[str] = ()) -> Accoun
 
 
 def _related(situation: Situation, goal: str, given: Sequence[str]) -> Account | None:
-    from plogic.scene.asking.related import related
+    from plogic.scene.asking.related import open_relation, related
 
-    found = related(situation, goal, given)
-    return None if found is None else Account(goal, found[0], (), (), None, summary=found[1])
+    asked = open_relation(situation, goal)
+    answered = answers(situation, goal, given=given) if asked else []
+    first = answered[0].goal if answered else goal
+    found = related(situation, first, given)
+    if found is None:
+        return None
+    lines = (f"the most probable answer, {first}:", *found[1]) if asked else found[1]
+    return Account(goal, found[0], (), (), None, answers=max(len(answered), 1), summary=lines)
 
 
 def _constrained(scene: "LiveScene", name: str) -> list[str]:

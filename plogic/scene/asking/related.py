@@ -8,7 +8,7 @@ those before it.
 import math
 import re
 from collections.abc import Iterator, Sequence
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from plogic.base.errors import OutsideError, ProgramError
 from plogic.facts.situation import Situation
@@ -59,6 +59,18 @@ def related(situation: Situation, goal: str, given: Sequence[str] = ()) -> tuple
     else:
         lines.append("so it holds in no world, whoever is present")
     return answer.probability, tuple(lines)
+
+
+def open_relation(situation: Situation, goal: str) -> bool:
+    """Whether a goal is of the vocabulary, with variables, of two arguments or more that may be hypotheses."""
+    term = _term(goal)
+    if term is None or term.is_ground() or term.signature not in ENTRIES:
+        return False
+    from problog.logic import Var
+
+    ids = {h.id for h in situation.hypotheses}
+    names = [str(argument).split("/")[0] for argument in term.args]
+    return sum(isinstance(argument, Var) or name in ids for argument, name in zip(term.args, names, strict=True)) > 1
 
 
 def _ways(meant: "Meaning", key: "Key") -> list[Way] | None:
@@ -161,6 +173,19 @@ def _there(present: bool) -> str:  # noqa: FBT001 - the word for it
 
 def _read(goal: str, situation: Situation) -> tuple[Entry, list[str]] | None:
     """The entry of the vocabulary and the arguments of a ground relation of two hypotheses or more; else None."""
+    term = _term(goal)
+    if term is None or not term.is_ground():
+        return None
+    arguments = [str(argument) for argument in term.args]
+    ids = {h.id for h in situation.hypotheses}
+    entry = ENTRIES.get(term.signature)
+    if entry is None or len({argument.split("/")[0] for argument in arguments} & ids) < 2:
+        return None
+    return entry, arguments
+
+
+def _term(goal: str) -> Any:  # noqa: ANN401 - a term of ProbLog's
+    """The one atom that a goal is; None of anything else."""
     load_problog()
     from problog.logic import And, Constant, Not, Or, Term, Var
 
@@ -172,15 +197,7 @@ def _read(goal: str, situation: Situation) -> tuple[Entry, list[str]] | None:
         return None
     if len(statements) != 1 or isinstance(statements[0], (And, Or, Not, Var, Constant)):
         return None
-    term = statements[0]
-    if type(term) is not Term or not term.is_ground():
-        return None
-    arguments = [str(argument) for argument in term.args]
-    ids = {h.id for h in situation.hypotheses}
-    entry = ENTRIES.get(term.signature)
-    if entry is None or len({argument.split("/")[0] for argument in arguments} & ids) < 2:
-        return None
-    return entry, arguments
+    return statements[0] if type(statements[0]) is Term else None
 
 
 def _meant(entry: Entry, arguments: Sequence[str]) -> str:
