@@ -25,6 +25,7 @@ from plogic.face.shown.options import (
     GIVEN,
     INTERPRETATION,
     KB,
+    MARKS,
     READING,
     READINGS,
     RECONSIDER,
@@ -114,6 +115,7 @@ def demo(out: Path | None, seed: int, reading: Any, look_again: bool, paper: boo
 @click.option(
     "--picture", type=click.Path(path_type=Path), help="Also write the picture with the hypotheses over it (PNG)."
 )
+@MARKS
 @click.option("--timings", type=click.Path(path_type=Path), help="Write the seconds of each stage as JSON.")
 def perceive(inputs: tuple[str, ...], kb_folder: str, **options: Any) -> None:
     """Interpret INPUT, an image or a Γ file (`-` is a Γ on stdin), with a knowledge base.

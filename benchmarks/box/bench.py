@@ -163,7 +163,7 @@ def drawn(kb: KnowledgeBase, frame: str) -> bytes:
     image, perceiver, halves = read_image(DATA / frame), Perceiver(kb), []
     for f in (F, F * WRONG):
         gamma = detect(image, centred_camera(SIZE, f), kb.sought, kb.words)
-        halves.append(overlay(perceiver(gamma, Options(reading="posterior"), image), image))
+        halves.append(overlay(perceiver(gamma, Options(reading="posterior"), image), image, "all"))
     height = max(len(half) for half in halves)
     whole = np.hstack([np.pad(half, ((0, height - len(half)), (0, 0), (0, 0)), mode="edge") for half in halves])
     small = cv2.resize(whole, None, fx=0.5, fy=0.5, interpolation=cv2.INTER_AREA)

@@ -51,17 +51,24 @@ class Answer(NamedTuple):
     frame: Frame
 
 
-def run(*, seed: int, quick: bool, as_json: bool, say: Callable[[str], None]) -> tuple[str, bool]:
-    """Run the benchmark, of ``quick`` the first dataset alone.
+def run(
+    *, seed: int, quick: bool, as_json: bool, say: Callable[[str], None], pictures: Path | None = None
+) -> tuple[str, bool]:
+    """Run the benchmark, of ``quick`` the first dataset alone; ``pictures``: the folder of a picture of each photo.
 
     Raises:
         InputError: The photos are not there, or their models cannot be learned.
     """
+    try:
+        if pictures is not None:
+            pictures.mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        raise InputError(f"{pictures}: cannot be made: {error.strerror}") from None
     rows: list[dict[str, Any]] = []
     wrong: list[dict[str, Any]] = []
     claims: list[Claim] = []
     for name in SETS[:1] if quick else SETS:
-        found = _of_dataset(FOLDER / name, name, seed, say)
+        found = _of_dataset(FOLDER / name, name, seed, say, pictures)
         rows += found[0]
         wrong += found[1]
         claims += found[2]
@@ -69,10 +76,14 @@ def run(*, seed: int, quick: bool, as_json: bool, say: Callable[[str], None]) ->
 
 
 def _of_dataset(
-    folder: Path, name: str, seed: int, say: Callable[[str], None]
+    folder: Path, name: str, seed: int, say: Callable[[str], None], pictures: Path | None
 ) -> tuple[list[dict[str, Any]], list[dict[str, Any]], list[Claim]]:
+    import cv2
+
+    from benchmarks.photos.pictures import drawn
     from plogic.run.bop.dataset import open_dataset
     from plogic.run.bop.models import ids_of, model_names, read_models
+    from sensing.files.whole_files import write_whole
 
     if not folder.is_dir():
         raise InputError(f"{folder}: there are no such photos: PLOGIC_PHOTOS may name their folder")
@@ -82,7 +93,7 @@ def _of_dataset(
         kb = _learned(Path(place) / "kb", dataset.models, seed, say)
         numbers = model_names(dataset.models) | ids_of([kind.name for kind in kb.types], {})
         answers = list(_answers(dataset, kb, numbers, say))
-    models = read_models(dataset.models, numbers.values())
+    models = read_models(dataset.models, {truth.obj_id for answer in answers for truth in answer.truths})
     surfaces = {numbers[kind.name]: kind.surface.rays for kind in kb.types if kind.surface is not None}
 
     def total(answer_of: Callable[[Answer], tuple[Posed, ...]]) -> Counts:
@@ -99,12 +110,17 @@ def _of_dataset(
         _row(f"{name}, peer", best, median(a.peer_seconds for a in answers)),
     ]
     names = {number: kind for kind, number in numbers.items()}
+    judged = [(a, counted(a.ours, a.truths, a.unposed, models, surfaces, a.frame.camera)[1]) for a in answers]
     wrong = [
         {"photo": a.name, "type": names[number], "error": error, "overlap": overlap}
-        for a in answers
-        for number, error, overlap in counted(a.ours, a.truths, a.unposed, models, surfaces, a.frame.camera)[1]
+        for a, told in judged
+        for number, error, overlap in told
         if error is None or error >= ADD
     ]
+    for a, told in judged if pictures is not None else ():
+        file = Path(pictures or "") / f"{name}_{a.name.replace('/', '_')}.png"
+        shown = drawn(a.frame.image, a.frame.camera, a.ours, a.truths, a.unposed, told, surfaces, names)
+        write_whole(file, bytes(cv2.imencode(".png", shown)[1].tobytes()))
     claims = [
         Claim(f"{name}: right, of {mine.there}", ">=", RIGHT[name], mine.right),
         Claim(f"{name}: found", ">=", FOUND[name], mine.found),

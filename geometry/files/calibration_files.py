@@ -24,7 +24,9 @@ from ruamel.yaml.composer import MaxDepthExceededError
 from ruamel.yaml.constructor import SafeConstructor
 from ruamel.yaml.error import MarkedYAMLError, YAMLError
 
-from geometry.errors import CameraError
+from geometry.camera import camera_mistakes
+from geometry.digits import TOO_LONG, start_of_too_long, whole
+from geometry.errors import CameraError, told
 from geometry.files.xml_files import XMLMistakeError, root_of
 
 if TYPE_CHECKING:
@@ -61,14 +63,16 @@ MOST_MESSAGES = 8
 
 def calibration(text: str, size: Size) -> dict[str, Any]:
     """The contract's `camera` key of a calibration, or of a topic's messages where they agree. Raises CameraError."""
-    contents = [_message(text) for text in _messages(text)] or [None]
-    mappings = [content for content in contents if isinstance(content, Mapping)]
+    contents = [(_message(part), part) for part in _messages(text)] or [(None, text)]
+    mappings = [(content, part) for content, part in contents if isinstance(content, Mapping)]
     if not mappings:
-        raise CameraError(f"must be a camera in JSON, YAML, XML or COLMAP's text, not {type(contents[0]).__name__}")
-    first, *others = [content for content in mappings if any(key in content for key in _MATRIX_KEYS)] or mappings
-    camera = from_calibration(first, size)
-    for number, other in enumerate(others[:MOST_MESSAGES], 2):
-        if from_calibration(other, size) != camera:
+        what = type(contents[0][0]).__name__
+        raise CameraError(f"must be a camera in JSON, YAML, XML or COLMAP's text, not {what}")
+    whole = [each for each in mappings if any(key in each[0] for key in _MATRIX_KEYS)] or mappings
+    (first, own), *others = whole
+    camera = from_calibration(first, size, own)
+    for number, (other, part) in enumerate(others[:MOST_MESSAGES], 2):
+        if from_calibration(other, size, part) != camera:
             raise CameraError(
                 f"holds messages of different cameras: keep one (the first, and number {number} of those)"
             )
@@ -120,35 +124,56 @@ def _message(text: str) -> object:
     return read_yaml(clean)
 
 
-def from_calibration(content: Mapping[Any, Any], size: Size) -> dict[str, Any]:
-    """A ROS `camera_info` or an OpenCV FileStorage calibration."""
+def from_calibration(content: Mapping[Any, Any], size: Size, text: str) -> dict[str, Any]:
+    """The contract's `camera` key of a ROS `camera_info` or an OpenCV FileStorage calibration, written in a `text`.
+
+    Raises:
+        CameraError: with the line of what is wrong.
+    """
     model = content.get("distortion_model", "")
     if model not in _LENSES:
         what = f"distortion_model: must be plumb_bob or rational_polynomial, not {model!r:.40}"
-        raise CameraError(f"{what}: rectify the pictures, and give the camera of the rectified ones")
-    K = flat(_first(content, _MATRIX_KEYS, "camera_matrix"), "camera_matrix")
+        why = "rectify the pictures, and give the camera of the rectified ones"
+        raise CameraError(f"{what}: {why}", line=_line_of(text, "distortion_model"))
+    matrix = next((key for key in _MATRIX_KEYS if key in content), None)
+    if matrix is None:
+        raise CameraError(f"camera_matrix: is missing, and so is {', '.join(_MATRIX_KEYS[1:])}")
+    lens = next((key for key in _LENS_KEYS if key in content), "")
+    K = flat(content[matrix], "camera_matrix", _line_of(text, matrix))
     if len(K) != 9:
-        raise CameraError(f"camera_matrix: must hold 9 numbers, not {len(K)}")
-    lens: object = next((content[key] for key in _LENS_KEYS if key in content), [])
+        raise CameraError(f"camera_matrix: must hold 9 numbers, not {len(K)}", line=_line_of(text, matrix))
     if not any(K):
-        raise CameraError("camera_matrix: is all zeros, as a driver says that has no calibration")
+        what = "camera_matrix: is all zeros, as a driver says that has no calibration"
+        raise CameraError(what, line=_line_of(text, matrix))
     width, height = size_of(content, size)
-    camera = {
-        "width": width,
-        "height": height,
-        "K": [K[:3], K[3:6], K[6:]],
-        "dist": flat(lens, "distortion_coefficients"),
-    }
-    return _sent(camera, content)
+    dist = flat(content[lens], "distortion_coefficients", _line_of(text, lens)) if lens else []
+    camera = _sent({"width": width, "height": height, "K": [K[:3], K[3:6], K[6:]], "dist": dist}, content, text)
+    if wrong := camera_mistakes(camera, ("camera",)):
+        key = {"K": matrix, "dist": lens}.get(str(wrong[0].place[1]), f"(?:image_)?(?i:{wrong[0].place[1]})")
+        raise CameraError(told(wrong, "; "), line=_line_of(text, key))
+    return camera
 
 
-def _sent(camera: dict[str, Any], content: Mapping[Any, Any]) -> dict[str, Any]:
+def _line_of(text: str, *keys: str) -> int | None:
+    """The line at which a key stands, each below the one before; the keys are patterns. None where it does not.
+
+    It is looked for in the text, which is YAML, JSON or XML, as no reader of all three tells lines.
+    """
+    at = 0
+    for key in keys:
+        places = re.finditer(rf"#.*|((?<!\w){key}[\"']?(?=\s*:|>| type_id))", text[at:])
+        end = next((place.end() for place in places if place[1]), None)
+        if end is None:
+            return None
+        at += end
+    return text.count("\n", 0, at) + 1
+
+
+def _sent(camera: dict[str, Any], content: Mapping[Any, Any], text: str) -> dict[str, Any]:
     """The camera of the pictures that a driver sends: the region of interest, its pixels joined (binning)."""
-    roi = content.get("roi")
-    roi = roi if isinstance(roi, Mapping) else {}
     whole = {"width": camera["width"], "height": camera["height"]}
-    left, above, width, height = (_count(roi, key) for key in ("x_offset", "y_offset", "width", "height"))
-    across, down = (max(_count(content, key), 1) for key in ("binning_x", "binning_y"))
+    left, above, width, height = (_count(content, text, "roi", key) for key in ("x_offset", "y_offset", *whole))
+    across, down = (max(_count(content, text, key), 1) for key in ("binning_x", "binning_y"))
     if (left, above, width or whole["width"], height or whole["height"], across, down) == (0, 0, *whole.values(), 1, 1):
         return camera
     (fx, skew, cx), (_, fy, cy), last = camera["K"]
@@ -156,15 +181,18 @@ def _sent(camera: dict[str, Any], content: Mapping[Any, Any]) -> dict[str, Any]:
         first = [fx / across, skew / across, (cx - left + 0.5) / across - 0.5]
         second = [0, fy / down, (cy - above + 0.5) / down - 0.5]
         size = {"width": (width or whole["width"]) // across, "height": (height or whole["height"]) // down}
-    except TypeError:
-        raise CameraError("camera_matrix, width and height: must be numbers") from None
+    except (TypeError, OverflowError):
+        raise CameraError("camera_matrix, width, height, roi and binning: must be numbers of sensible size") from None
     return {**camera, **size, "K": [first, second, last]}
 
 
-def _count(content: Mapping[Any, Any], key: str) -> int:
-    value = content.get(key, 0)
+def _count(content: Mapping[Any, Any], text: str, *keys: str) -> int:
+    value: Any = content
+    for key in keys:
+        value = value.get(key, 0) if isinstance(value, Mapping) else 0
     if isinstance(value, bool) or not isinstance(value, int) or value < 0:
-        raise CameraError(f"{key}: must be a whole number from 0, not {value!r:.40}")
+        what = f"{'.'.join(keys)}: must be a whole number from 0, not {value!r:.40}"
+        raise CameraError(what, line=_line_of(text, *keys))
     return value
 
 
@@ -178,23 +206,16 @@ def size_of(content: Mapping[Any, Any], size: Size) -> tuple[Any, Any]:
     return size
 
 
-def _first(content: Mapping[Any, Any], keys: tuple[str, ...], name: str) -> object:
-    for key in keys:
-        if key in content:
-            return content[key]
-    raise CameraError(f"{name}: is missing, and so is {', '.join(keys[1:])}")
-
-
-def flat(value: object, where: str) -> list[Any]:
+def flat(value: object, where: str, line: int | None = None) -> list[Any]:
     """The numbers of a matrix, written as {rows, cols, data}, as rows, as one list, or as Python's array."""
     data = value.get("data") if isinstance(value, Mapping) else value
     if isinstance(data, str) and (array := _ARRAY.fullmatch(data.strip())):
         data = [_number(word.strip()) for word in array[1].split(",") if word.strip()]
     if not isinstance(data, list):
-        raise CameraError(f"{where}: must be a list of numbers or a matrix with data, not {value!r:.80}")
+        raise CameraError(f"{where}: must be a list of numbers or a matrix with data, not {value!r:.80}", line=line)
     numbers = [number for row in data for number in (row if isinstance(row, list) else [row])]
     if CUT in numbers:
-        raise CameraError(f"{where}: is cut off ('...'): print it whole, ros2 topic echo --full-length")
+        raise CameraError(f"{where}: is cut off ('...'): print it whole, ros2 topic echo --full-length", line=line)
     return numbers
 
 
@@ -215,7 +236,7 @@ def xml_calibration(text: str, size: Size) -> dict[str, Any]:
         raise CameraError(str(error), line=error.line) from None
     if root.tag != "opencv_storage":
         raise CameraError(f"is no OpenCV FileStorage: its first element is <{root.tag:.60}>, not <opencv_storage>")
-    return from_calibration({element.tag: _value_of(element) for element in root}, size)
+    return from_calibration({element.tag: _value_of(element) for element in root}, size, text)
 
 
 def _value_of(element: "Element") -> object:
@@ -224,7 +245,8 @@ def _value_of(element: "Element") -> object:
     if data is not None:
         return {"data": [_number(word) for word in (data.text or "").split()]}
     text = (element.text or "").strip()
-    return int(text) if text.isdecimal() else _number(text)
+    number = whole(text, 10**9)  # no width is as large
+    return _number(text) if number is None else number
 
 
 class _Constructor(SafeConstructor):
@@ -257,6 +279,9 @@ def read_yaml(text: str) -> object:
         )
         raise CameraError(f"is not plain YAML: {why}", line=None if mark is None else mark.line + 1) from error
     except (YAMLError, ValueError, RecursionError, TypeError) as error:
+        start = start_of_too_long(text, "#.*")
+        if start is not None:
+            raise CameraError(TOO_LONG, line=text.count("\n", 0, start) + 1) from None
         why = " ".join(str(error).split())[:120]
         raise CameraError(f"is not plain YAML: {why}") from error
 

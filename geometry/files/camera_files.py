@@ -106,7 +106,7 @@ def _from_json(document: Document, path: Path, frame: str | int | None, size: Si
         return _from_bop(document, path, number if known else frame, size)
     if is_foreign(content):
         with _told_of(path):
-            return camera_from_dict(from_calibration(content, size))
+            return camera_from_dict(from_calibration(content, size, document.text))
     if isinstance(content, dict) and isinstance(K := content.get("K"), list) and len(K) == 9:
         content = content | {"K": [K[:3], K[3:6], K[6:]]}
     wrong = camera_mistakes(content, keys)

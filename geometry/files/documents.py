@@ -5,12 +5,12 @@
 
 import json
 import re
-import sys
 from collections import Counter
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from pathlib import Path
 from typing import Any, NamedTuple, get_args
 
+from geometry.digits import TOO_LONG, start_of_too_long
 from geometry.errors import Keys, Mistake
 from geometry.files.plain_files import name_of, text_of
 from geometry.json_checks import check_of
@@ -104,9 +104,9 @@ def parsed_json(
     except RecursionError:
         raise error(f"{name}{_too_deep(text)}: is nested too deeply: {holds}") from None
     except ValueError:  # json's own is above
-        digits = sys.get_int_max_str_digits()
-        where = _first(text, rf"\d{{{digits + 1},}}")
-        raise error(f"{name}{where}: holds a whole number of more digits than can be read") from None
+        start = start_of_too_long(text, _STRING)
+        where = "" if start is None else _lines(text, [start])[start]
+        raise error(f"{name}{where}: {TOO_LONG}") from None
     document = Document(name, data, text)
     if doubled:
         raise error("\n".join(document.told(list(_doubled(data, doubled)))))

@@ -22,6 +22,7 @@ from queue import SimpleQueue
 from threading import Thread
 from typing import TYPE_CHECKING, Any, TypeVar
 
+from geometry.digits import whole
 from plogic.base.children import Child, Copy, begin, heard, python
 
 if TYPE_CHECKING:
@@ -45,7 +46,7 @@ class ChildDiedError(Exception):
 def processors() -> int:
     """How many to use: ``OMP_NUM_THREADS``, which other packages heed as well, or as many as the process may use."""
     stated = os.environ.get("OMP_NUM_THREADS", "")
-    return int(stated) if stated.isdecimal() and int(stated) > 0 else len(os.sched_getaffinity(0))
+    return whole(stated, 2**16) or len(os.sched_getaffinity(0))
 
 
 def each(done: Callable[[Job], Result], jobs: Sequence[Job], processes: int) -> Generator[Result]:

@@ -166,6 +166,8 @@ def delta_of(
     posed = {name: some.told(hidden=_hidden(name, posed, hiding, rivals)) for name, some in posed.items()}
     group = instances({name: some.type for name, some in posed.items()}, exclusive)
     rates = {name: fitted(some, data, kb, some.hidden) for name, some in posed.items()}
+    if models:
+        posed = _pictured(posed, group, overlaps, data, models)
     rows = zip(data.ids, data.types, data.uv.tolist(), clutter_density(kb, data).tolist(), strict=True)
     hypotheses = tuple(
         _hypothesis(name, some, group[name], hiding, rates[name], data, dv) for name, some in posed.items()
@@ -242,6 +244,22 @@ def _hidden(
     return mask
 
 
+def _pictured(
+    posed: Mapping[str, Hypothesis],
+    group: Mapping[str, str],
+    overlaps: frozenset[tuple[str, str]],
+    data: Data,
+    models: Mapping[str, TypeModel],
+) -> dict[str, Hypothesis]:
+    """The hypotheses, each told what the photo says of it beside those that can be present with it (§9.10)."""
+    result = {}
+    for name, some in posed.items():
+        apart = {other for pair in overlaps if name in pair for other in pair}
+        others = {y: g for y, g in posed.items() if y != name and y not in apart and group[y] != group[name]}
+        result[name] = models[some.type].pictured(some, others, data)
+    return result
+
+
 def _hypothesis(
     name: str,
     posed: Hypothesis,
@@ -269,6 +287,7 @@ def _hypothesis(
             density=float(near[f]),
             hit_rate=float(hits[f]),
             stands_for=counts(posed, f),
+            learned_rate=None if posed.hit is None else round(float(posed.hit[f]), 4),
         )
         for f, feature in ((f, told_as(posed, f)) for f in told(posed))
     )

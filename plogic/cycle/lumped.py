@@ -176,6 +176,8 @@ def _looked(posed: Hypothesis, f: int, ids: Sequence[str]) -> LookedRow:
         "expected": bool(posed.candidate[f]),
         "detected": bool(posed.detected[f]),
     }
+    if posed.hit is not None:
+        row["learned_rate"] = round(float(posed.hit[f]), 4)
     return row if posed.stands[f] else {**row, "stands_for": 0}
 
 

@@ -8,7 +8,8 @@ only a writer needs, are not required; the writer tells all of them.
 from typing import Annotated, Literal, NotRequired, TypedDict
 
 from geometry.camera_row import CameraRow, Pose
-from geometry.json_shapes import Row, Size
+from geometry.json_shapes import Size
+from plogic.facts.carried_rows import AssetsRow, TypeRow
 from plogic.facts.fact_rows import (
     Chance,
     Count,
@@ -17,6 +18,7 @@ from plogic.facts.fact_rows import (
     Interval,
     Name,
     Pair,
+    PixelKeys,
     Point2,
     Point3,
     Positive,
@@ -59,7 +61,13 @@ class StandsKey(TypedDict):
     stands_for: NotRequired[Annotated[Count, "For how many features this one stands, itself among them."]]
 
 
-class SeenRow(StandsKey):
+class LearnedKey(TypedDict):
+    """How often a feature of a learned type was found when it was learned."""
+
+    learned_rate: NotRequired[Annotated[Chance, "How often it was found, from there, when its type was learned."]]
+
+
+class SeenRow(StandsKey, LearnedKey):
     """What is told of any feature; ``case`` beside Δi."""
 
     id: Annotated[Name, "The feature's name, with the parts that it is in: `roof/apex`."]
@@ -132,7 +140,7 @@ class LeftOut(TypedDict):
     outside_image: Annotated[Count, "Features outside of it."]
 
 
-class Verdict(TypedDict):
+class Verdict(PixelKeys):
     """The keys that the cycle decides, of any hypothesis."""
 
     left_out: NotRequired[Annotated[LeftOut, "Features of a learned type that are not told one by one."]]
@@ -142,11 +150,6 @@ class Verdict(TypedDict):
     ev_reconsidered: NotRequired[Annotated[float | None, "The explanatory value beside the accepted hypotheses."]]
     log_likelihood_ratio: NotRequired[
         Annotated[float, "Natural logarithm of how many times more probable the data are with it than without."]
-    ]
-    pixels: NotRequired[
-        Annotated[
-            float, "What the photo's pixels add to that logarithm; there is no such key where they were not asked."
-        ]
     ]
     support: NotRequired[Annotated[dict[Name, Cells], "The four cells by feature type."]]
     outline: NotRequired[Annotated[list[list[Point2]], "Polygons of its outline, pixels."]]
@@ -254,59 +257,6 @@ class SensingRow(TypedDict):
     f_ref: Annotated[float, "Focal length that the lobes' ranges hold for, pixels."]
     match_tolerance: Annotated[float, "How far from its predicted place a feature may be found, pixels."]
     clutter: Annotated[dict[Name, float], "Appearances of noise per image, by appearance type."]
-
-
-PlacedFeature = Annotated[list[str | float], Row(Name, Name, float, float, float)]
-LobeNumbers = Annotated[list[float], Row(Count, Count, float, float, float, float, float, float, float)]
-
-
-class TypeRow(TypedDict):
-    """How one type is seen: [id, type, x, y, z] of features, and lobes as rows of numbers (``plogic.run.carried``).
-
-    ``facets``, ``faces``: polygons of its surface whose corners are features.
-    """
-
-    features: Annotated[
-        list[Annotated[list[str | float], Row(Name, Name, float, float, float)]],
-        "Its features: name, feature type, place in the object's frame, m.",
-    ]
-    looks: Annotated[list[Name], "The appearance types of its lobes."]
-    lobes: Annotated[
-        list[Annotated[list[float], Row(Count, Count, float, float, float, float, float, float, float)]],
-        "From where features are seen: number of the feature, number of the look, axis, half-angle, nearest and farthest distance, m, hit rate.",
-    ]
-    measured: Annotated[bool, "Whether the hit rates were measured."]
-    facets: NotRequired[
-        Annotated[list[Annotated[list[Name], Size(3)]], "Triangles of its surface whose corners are features."]
-    ]
-    faces: NotRequired[
-        Annotated[list[Annotated[list[Name], Size(3, 1000)]], "Polygons of its surface whose corners are features."]
-    ]
-    left_out: NotRequired[Annotated[dict[Name, Count], "Features that are not listed, by feature type."]]
-
-
-class ImageRow(TypedDict):
-    """The picture, base64; the size is the original's."""
-
-    media_type: Annotated[Literal["image/png", "image/jpeg"], "Kind of the picture."]
-    width: Annotated[Count, "Width of the original, pixels."]
-    height: Annotated[Count, "Height of the original, pixels."]
-    base64: Annotated[str, "The picture's bytes."]
-
-
-class MeshRow(TypedDict):
-    """A surface, m, object frame; ``slack``: how far off it may be."""
-
-    vertices: Annotated[list[Point3], "Points, object frame, m."]
-    triangles: Annotated[list[Annotated[list[Count], Size(3)]], "Numbers of three vertices each."]
-    slack: NotRequired[Annotated[Positive, "How far off the simplified surface may be, m."]]
-
-
-class AssetsRow(TypedDict):
-    """What is carried along to be looked at."""
-
-    image: NotRequired[Annotated[ImageRow, "The picture."]]
-    meshes: NotRequired[Annotated[dict[Name, MeshRow], "Surfaces by object type."]]
 
 
 class StepRow(TypedDict):

@@ -144,3 +144,31 @@ class GravityKey(TypedDict):
     """Of a document, where gravity holds."""
 
     gravity: NotRequired[Annotated[GravityRow | None, "What rests on what, where gravity holds."]]
+
+
+class PixelRow(TypedDict):
+    """What the photo's pixels say of a hypothesis where these and no others are before it."""
+
+    present: Annotated[list[Name], "Who is present of those that hide some of it."]
+    pixels: Annotated[float, "Logarithm of how much likelier the rest of its pixels are with it than without."]
+
+
+class PixelKeys(TypedDict):
+    """What a photo says of a hypothesis; there are no such keys where it was not asked."""
+
+    pixels: NotRequired[
+        Annotated[float, "Logarithm of how much likelier its pixels are with it than without, beside what is accepted."]
+    ]
+    pixels_beside: NotRequired[
+        Annotated[
+            list[PixelRow], Size(1, 64), "The same by who is present of those before it: a factor of the posterior."
+        ]
+    ]
+    pixels_left_out: NotRequired[
+        Annotated[list[Name], "Who else is before it, and is not looked at, since at most six are."]
+    ]
+    pose_probability: NotRequired[
+        Annotated[
+            Chance, "P(its pose is within a tenth of its diameter of the true one (ADD), given that it is present)."
+        ]
+    ]

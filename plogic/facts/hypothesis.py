@@ -32,6 +32,7 @@ if TYPE_CHECKING:
 
     Flags = NDArray[np.bool_]
     from kb.clouds.cloud import ObjectType
+    from plogic.facts.pixel_table import PixelTable
 
 
 class Seen(NamedTuple):
@@ -83,9 +84,10 @@ class FeatureFact:
     geometry says of the hypothesis alone; ``hidden_by`` names the *other* hypotheses whose surface the line of sight
     meets first, transparent ones and rivals included (the rules sort these out). ``match`` is the appearance that the
     hypothesis' one fixed assignment gives it, with its ``residual`` in pixels and ``density``, N(u; û, Σ) per pixel².
-    ``hit_rate`` is h_F. ``stands_for`` > 1: it sums up so many features in the image that are neither expected nor
-    detected in any world (case B), and ``dv`` is their sum; 0: it is a part of a compound that another part stands for,
-    and its ``dv`` is 0 (``plogic.cycle.lumped``).
+    ``hit_rate`` is h_F; ``learned_rate``: of a learned type how often the feature was found, from there, when the type
+    was learned, None of others. ``stands_for`` > 1: it sums up so many features in the image that are neither expected
+    nor detected in any world (case B), and ``dv`` is their sum; 0: it is a part of a compound that another part stands
+    for, and its ``dv`` is 0 (``plogic.cycle.lumped``).
     """
 
     id: str
@@ -102,6 +104,7 @@ class FeatureFact:
     density: float = 0.0
     hit_rate: float = 0.8
     stands_for: int = 1
+    learned_rate: float | None = None
 
 
 @dataclass(frozen=True)
@@ -137,7 +140,9 @@ class Hypothesis:
       is of.
 
     ``pixels``: how well the photo fits, at the pose that was moved to where it fits best (``sensing.pixels``), the
-    logarithm of a likelihood, about; None where there is no photo, or no paint.
+    logarithm of a likelihood, about; None where there is no photo, or no paint. ``pixel_table``: the same by who stands
+    before it, as the posterior is told; None where there is no ``pixels``. ``pose_probability``: P(its pose is right,
+    given that it is present), by the photo; None where that is not known.
 
     ``worth`` is the log-likelihood ratio against clutter, ``surplus`` what is left of it besides what any pose has.
     ``ev`` is that of the hypothesis alone, ``ev_reconsidered`` that beside Δi; None where it is 0/0 or was not asked.
@@ -178,6 +183,8 @@ class Hypothesis:
     across: NDArray[np.float64] | None = field(default=None, repr=False)
     axes: NDArray[np.float64] | None = field(default=None, repr=False)
     pixels: float | None = field(default=None, repr=False)
+    pixel_table: PixelTable | None = None
+    pose_probability: float | None = None
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "camera_from_object", np.asarray(self.camera_from_object, np.float64))
@@ -194,7 +201,7 @@ class Hypothesis:
 
     def _facts(self) -> tuple[object, ...]:
         pose = tuple(self.camera_from_object.ravel().tolist())
-        return self.id, self.type, pose, self.opaque, self.group, self.features, self.parts
+        return self.id, self.type, pose, self.opaque, self.group, self.features, self.parts, self.pixel_table
 
     @property
     def object_type(self) -> ObjectType:

@@ -15,9 +15,20 @@ import numpy as np
 from geometry.errors import Mistake
 from geometry.files.documents import Document, read_json
 from plogic.base.errors import InterpretationError
-from plogic.facts.document import Case, FeatureRow, HypothesisFacts, HypothesisRow, Interpretation, StandsKey, TypeRow
+from plogic.facts.carried_rows import TypeRow
+from plogic.facts.document import (
+    Case,
+    FeatureRow,
+    HypothesisFacts,
+    HypothesisRow,
+    Interpretation,
+    LearnedKey,
+    LookedRow,
+    StandsKey,
+)
 from plogic.facts.fact_rows import EvidenceRow, Fact, RelatedRow, StateRow
 from plogic.facts.hypothesis import FeatureFact, Hypothesis, PartFact
+from plogic.facts.pixel_table import table_of
 from plogic.facts.sanity import faults
 from plogic.facts.situation import AppearanceFact, EvidenceFact, LookFact, PairFact, Situation, TypeFact, stopped_in
 from plogic.facts.spatial import gravity_facts, gravity_of, overlap_document, space_of
@@ -135,6 +146,8 @@ def _hypothesis(h: HypothesisRow) -> Hypothesis:
         features=tuple(_feature(f) for f in h["features"]),
         parts=tuple(PartFact(p["id"], p["parent"], p["kind"], p["type"]) for p in h["parts"]),
         pixels=h.get("pixels"),
+        pixel_table=table_of(h["pixels_beside"], h.get("pixels_left_out", ())) if "pixels_beside" in h else None,
+        pose_probability=h.get("pose_probability"),
     )
 
 
@@ -156,7 +169,19 @@ def _feature(f: FeatureRow) -> FeatureFact:
         density=f["density"],
         hit_rate=f["hit_rate"],
         stands_for=f.get("stands_for", 1),
+        learned_rate=f.get("learned_rate"),
     )
+
+
+def found_and_usual(rows: Sequence[FeatureRow | LookedRow]) -> tuple[int, int, int] | None:
+    """Features of a learned type that are found and that are expected, and how many of these were found in learning.
+
+    Most visual words come and go from picture to picture: without the third number the first two say little. None of a
+    type written by hand.
+    """
+    some = [f for f in rows if "learned_rate" in f and f.get("stands_for", 1) == 1 and f.get("expected")]
+    usual = round(sum(f["learned_rate"] for f in some))
+    return (sum(bool(f.get("detected")) for f in some), len(some), usual) if some else None
 
 
 def hypothesis_document(h: Hypothesis, cases: Mapping[str, tuple[bool, bool, Case | None]]) -> HypothesisFacts:
@@ -177,6 +202,7 @@ def hypothesis_document(h: Hypothesis, cases: Mapping[str, tuple[bool, bool, Cas
 
 def _feature_document(f: FeatureFact, expected: bool, detected: bool, case: Case | None) -> FeatureRow:  # noqa: FBT001 - a row of a table
     some: StandsKey = {} if f.stands_for == 1 else {"stands_for": f.stands_for}
+    often: LearnedKey = {} if f.learned_rate is None else {"learned_rate": f.learned_rate}
     return {
         "id": f.id,
         "type": f.type,
@@ -192,6 +218,7 @@ def _feature_document(f: FeatureFact, expected: bool, detected: bool, case: Case
         "density": f.density,
         "hit_rate": f.hit_rate,
         **some,
+        **often,
         "expected": expected,
         "detected": detected,
         "case": case,

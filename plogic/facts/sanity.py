@@ -8,12 +8,15 @@ from geometry.errors import Keys, Mistake
 from geometry.visibility.roc import ROC20, coarse
 from plogic.base.errors import SituationError
 from plogic.facts.hypothesis import FeatureFact, Hypothesis
+from plogic.facts.pixel_table import MOST_BEFORE, PixelTable
 from plogic.facts.situation import EvidenceFact, PairFact, Situation
 from plogic.facts.spatial import GROUND, Gravity, Space
 
 Ids = frozenset[str]
 SUMS = 1e-6
 """By so much a sum of written probabilities may be off 1."""
+MOST_PIXELS = 600.0
+"""Log-odds of pixels that can be told, either way: e to that power is a number yet."""
 
 
 def check(situation: Situation) -> None:
@@ -120,9 +123,22 @@ def _of_hypothesis(h: Hypothesis, ids: Ids, data: Ids) -> Iterator[Mistake]:
     yield from _at(here, _twice(f"hypothesis {h.id}: feature", [f.id for f in h.features]))
     matched = [f.match for f in h.features if f.match is not None]
     yield from _at(here, _twice(f"hypothesis {h.id}: appearance that is matched", matched))
+    if h.pixel_table is not None:
+        yield from _at(
+            (*here, "pixels_beside"), _of_pixels(f"hypothesis {h.id}: pixels_beside", h.pixel_table, ids - {h.id})
+        )
     for f in h.features:
         sentences = _of_feature(f"hypothesis {h.id}: feature {f.id}", f, ids, data)
         yield from _at((*here, "features", f.id), sentences)
+
+
+def _of_pixels(place: str, table: PixelTable, others: Ids) -> Iterator[str]:
+    """A number for every set of a few others."""
+    yield from _unknown(place, table.names, others)
+    if any(math.isnan(odds) for odds in table.odds):
+        yield f"{place}: should tell every set of those before it, {MOST_BEFORE} at most, once"
+    else:
+        yield from _numbers(((place, odds) for odds in table.odds), -MOST_PIXELS, MOST_PIXELS)
 
 
 def _of_feature(place: str, f: FeatureFact, ids: Ids, data: Ids) -> Iterator[str]:

@@ -133,6 +133,24 @@ VOCABULARY: tuple[Entry, ...] = (
         "object(H, T) :- hypothesis(H, T), present(H).",
     ),
     Entry(
+        "number_of_objects",
+        1,
+        "N hypotheses are present",
+        "number_of_objects(N)",
+        "number_of_objects(N) :- hypotheses(Hs), counted(Hs, N).\n"
+        "counted([], 0).\n"
+        "counted([H | Hs], N) :- counted(Hs, M), one_more(H, M, N).\n"
+        "one_more(H, M, N) :- present(H), N is M + 1.\n"
+        "one_more(H, N, N) :- \\+ present(H).",
+    ),
+    Entry(
+        "number_of",
+        2,
+        "N hypotheses of the type are present",
+        "number_of(Type, N)",
+        "number_of(T, N) :- hypotheses_of(T, Hs), counted(Hs, N).",
+    ),
+    Entry(
         "node",
         1,
         "X is a node of the part-whole tree of a present hypothesis",

@@ -18,7 +18,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from kb.clouds.cloud import KnowledgeBase, ObjectType
-from plogic.facts.document import AssetsRow, MeshRow, SensingRow, TypeRow
+from plogic.facts.carried_rows import AssetsRow, MeshRow, TypeRow
+from plogic.facts.document import SensingRow
 from plogic.facts.hypothesis import part_facts
 from plogic.facts.interpretation import type_of
 from plogic.facts.situation import Reading, Reconsider, Situation

@@ -41,6 +41,7 @@ from plogic.match.judged.evidence import outline_rings
 from plogic.measures.distinctiveness import distinctiveness, instance_counts, probability_of_distinctiveness
 from plogic.measures.explanatory import case_of, probability_of_ev
 from plogic.run.carried import image_asset, mesh_assets, sensing_document, types_document
+from plogic.run.painted import paint_assets
 from plogic.scene.factors.asked_formulas import together
 from plogic.scene.readings.world_weights import p_ev
 from plogic.scene.worlds.predictions import doubts
@@ -109,7 +110,7 @@ def document_of(
         "labels": {},
         "sensing": sensing_document(kb),
         "types": types_document(kinds, kb),
-        "assets": {**image_asset(image), **mesh_assets(kinds)},
+        "assets": {**image_asset(image), **mesh_assets(kinds), **paint_assets(kinds)},
         "trace": trace,
     }
     better = surpassed(document)
@@ -224,6 +225,10 @@ def _verdict(belief: Hypothesis, gamma: Gamma, dv: Mapping[str, float]) -> Verdi
     }
     if belief.pixels is not None:
         verdict["pixels"] = belief.pixels
+    if belief.pixel_table is not None:
+        verdict |= belief.pixel_table.document()  # type: ignore[typeddict-item] # keys of a verdict
+    if belief.pose_probability is not None:
+        verdict["pose_probability"] = belief.pose_probability
     if missing is not None:
         verdict["left_out"] = missing
     verdict["outline"] = outline_rings(posed, gamma.camera)
@@ -258,15 +263,23 @@ def accepted_in(document: Interpretation) -> tuple[str, ...]:
 
 def surpassed(document: Interpretation) -> dict[str, str]:
     """Of each accepted hypothesis, by id, that has a more probable rival: that one, in words."""
+    chances = {h["id"]: h["probability"] for h in document["hypotheses"] if h["status"] == "accepted"}
+    return {
+        name: f"{best['id']} ({best.get('label') or best['type']}, P {_chance(best)}) is a more probable reading of the same data"
+        for name, best in best_rivals(document).items()
+        if best["probability"] > chances[name]
+    }
+
+
+def best_rivals(document: Interpretation) -> dict[str, HypothesisRow]:
+    """Of each accepted hypothesis, by id, that has any rival: the most probable one."""
     pairs = {tuple(fact["args"]) for fact in document["facts"] if fact["fact"] in ("overlap", "rival", "exclusive")}
     rows = [h for h in document["hypotheses"] if h["status"] != "rejected"]
-    found: dict[str, str] = {}
+    found: dict[str, HypothesisRow] = {}
     for h in (row for row in rows if row["status"] == "accepted"):
         rivals = [r for r in rows if r["status"] != "accepted" and (_are(h, r, pairs) or r["group"] == h["group"])]
-        best = max(rivals, key=lambda r: r["probability"], default=h)
-        if best["probability"] > h["probability"]:
-            told = f"{best['id']} ({best.get('label') or best['type']}, P {_chance(best)})"
-            found[h["id"]] = f"{told} is a more probable reading of the same data"
+        if rivals:
+            found[h["id"]] = max(rivals, key=lambda r: r["probability"])
     return found
 
 
@@ -281,12 +294,16 @@ def placed_in(document: Interpretation) -> tuple[str, ...]:
     ``h1 t1 (0.941) at (0.12, -0.03, 0.84) m, 0.85 m away``.
     """
     accepted = [h for h in document["hypotheses"] if h["status"] == "accepted"]
-    places = [_place([row[3] for row in h["T_camera_object"][:3]]) for h in accepted]
+    places = [place_of(h["T_camera_object"]) for h in accepted]
     return tuple(f"{name} {place}" for name, place in zip(accepted_in(document), places, strict=True))
 
 
-def _place(origin: Sequence[float]) -> str:
-    """A place (3,) m, in words; to centimetres, of what is nearer than 0.1 m to two digits of its distance."""
+def place_of(camera_from_object: Sequence[Sequence[float]]) -> str:
+    """Where the origin of a pose (4, 4) is, m, in words.
+
+    To centimetres, of what is nearer than 0.1 m to two digits of its distance.
+    """
+    origin = [float(row[3]) for row in camera_from_object[:3]]
     away = hypot(*origin)
     digits = max(2, 1 - floor(log10(away))) if away > 0.0 else 2
     x, y, z = (f"{round(value, digits) + 0.0:.{digits}f}" for value in origin)  # + 0.0: no -0.00

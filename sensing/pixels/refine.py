@@ -129,19 +129,31 @@ def settled(crop: Crop, paint: Paint, pose: Floats, stages: Sequence[Stage]) -> 
 
 def _step(crop: Crop, paint: Paint, pose: Floats, stage: Stage) -> Floats | None:
     """One of Gauss-Newton; None where too little of the object is seen."""
+    known = normal(crop, paint, pose, stage)
+    if known is None:
+        return None
+    expected, told, slope = known
+    step = np.linalg.solve(expected + told, slope)
+    return np.asarray(step * min(1.0, LONGEST / max(float(np.linalg.norm(step[:3])), 1e-9)))
+
+
+def normal(crop: Crop, paint: Paint, pose: Floats, stage: Stage) -> tuple[Floats, Floats, Floats] | None:
+    """Gauss-Newton's normal matrix (6, 6): that of what is expected of a step, and that of the photo; its slope (6,).
+
+    None where too little of the object is seen.
+    """
     drawn, slack = paint.drawn(pose, crop.K, crop.shape), SLACK * paint.diameter
     lines = outline_of(crop, drawn, slack)
     if len(lines) < FEWEST_LINES:
         return None
     middle = pose[:3, :3] @ paint.middle + pose[:3, 3]
     scale = paint.diameter / crop.size
-    hessian = np.diag(1.0 / np.array([TURN] * 3 + [ACROSS * scale] * 2 + [DEPTH * middle[2]]) ** 2)
-    slope = np.zeros(6)
+    expected = np.diag(1.0 / np.array([TURN] * 3 + [ACROSS * scale] * 2 + [DEPTH * middle[2]]) ** 2)
+    told, slope = np.zeros((6, 6)), np.zeros(6)
     for part in _parts(crop, drawn, lines, middle, slack, stage):
-        hessian += part[0]
+        told += part[0]
         slope += part[1]
-    step = np.linalg.solve(hessian, slope)
-    return np.asarray(step * min(1.0, LONGEST / max(float(np.linalg.norm(step[:3])), 1e-9)))
+    return expected, told, slope
 
 
 def _parts(

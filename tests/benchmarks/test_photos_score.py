@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 from benchmarks.photos.bench import run
+from benchmarks.photos.pictures import GREEN, RED, drawn
 from benchmarks.photos.score import Counts, Posed, counted, overlap_of
 from geometry.camera import Camera
 from geometry.visibility.rays import RayMesh
@@ -79,3 +80,20 @@ def test_without_the_photos_it_says_where_they_should_be(monkeypatch, tmp_path):
     monkeypatch.setattr("benchmarks.photos.bench.FOLDER", tmp_path / "none")
     with pytest.raises(InputError, match="PLOGIC_PHOTOS"):
         run(seed=0, quick=True, as_json=False, say=print)
+
+
+def test_a_picture_has_the_truth_dashed_and_answers_by_how_right_they_are():
+    truths = [Posed(1, at(-0.2, 0, 1)), Posed(2, at(0.2, 0, 1))]
+    answers = [Posed(1, at(-0.2, 0, 1)), Posed(2, at(0.2, 0.06, 1))]
+    rows = told(answers, truths)[1]
+    bare = np.full((240, 320, 3), 128, np.uint8)
+    surfaces, names = {1: SURFACE, 2: SURFACE, 3: SURFACE}, {1: "cube", 2: "die", 3: "ghost"}
+    picture = drawn(bare, CAMERA, [*answers, Posed(3, at(0, 0, 1.5))], truths, (), rows, surfaces, names)
+    assert picture.shape == (480, 640, 3)
+    assert (bare == 128).all()
+    left, right = picture[:, :300], picture[:, 340:]
+    green, red = ((side == colour).all(-1).sum() for side, colour in ((left, GREEN), (right, RED)))
+    assert min(green, red) > 100
+    assert not (left == RED).all(-1)[:, :200].any()
+    missed = drawn(bare, CAMERA, [], truths, (), told([], truths)[1], surfaces, names)
+    assert 100 < (missed == 255).all(-1).sum() < 5000

@@ -9,7 +9,14 @@ import numpy as np
 
 from plogic.base.bounds import LEAST
 from plogic.facts.dependence import Scene, dependence
-from plogic.scene.readings.world_weights import acceptance, appearance_weight, group_shares, miss_weight, unmatched
+from plogic.scene.readings.world_weights import (
+    acceptance,
+    appearance_weight,
+    group_shares,
+    miss_weight,
+    pixel_odds,
+    unmatched,
+)
 
 
 def subsets(members):
@@ -89,6 +96,7 @@ def _posterior(scene, present):
     for shares in group_shares(scene).values():
         logs += np.log(_prior(shares, present))
     for h in scene.situation.hypotheses:
+        logs += pixel_odds(h, present)
         for f in unmatched(h):
             logs += np.log(miss_weight(scene, h, f, present))
     for appearance in scene.claimants:

@@ -9,6 +9,7 @@ from hypothesis import strategies as st
 
 from geometry.visibility.roc import ROC20
 from plogic.facts.hypothesis import FeatureFact, Hypothesis
+from plogic.facts.pixel_table import PixelTable
 from plogic.facts.situation import AppearanceFact, PairFact, Situation, pair_facts
 from plogic.facts.spatial import Foot, Gravity
 
@@ -171,3 +172,16 @@ def with_gravity(subject, seed, **changes):
     return replace(
         subject, gravity=replace(Gravity(rng.choice([0.02, 0.3, 0.9, 1.0]), ground, feet, tuple(rests)), **changes)
     )
+
+
+def with_pixels(subject, seed, most=2):
+    """Of which some have pixels that a photo told, by who of others is present before them."""
+    rng = Random(seed)  # noqa: S311 - a test's
+
+    def table(h):
+        others = [g.id for g in subject.hypotheses if g.id != h.id]
+        before = rng.sample(others, rng.randint(0, min(most, len(others))))
+        odds = tuple(rng.choice([0.0, rng.uniform(-12.0, 8.0), 30.0]) for _ in range(2 ** len(before)))
+        return PixelTable(tuple(before), odds) if rng.random() < 0.8 else None
+
+    return replace(subject, hypotheses=tuple(h.told(pixel_table=table(h)) for h in subject.hypotheses))

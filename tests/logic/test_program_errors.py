@@ -12,7 +12,7 @@ from plogic.base.errors import (
     ProgramError,
     UnknownPredicateError,
 )
-from plogic.logic.safety.recursion import endless
+from plogic.logic.safety.recursion import endless, surely_endless
 from plogic.logic.served.engine import Limits, Text, run
 from plogic.logic.served.program_child import reply_to, serve
 
@@ -27,6 +27,57 @@ def told(kind, *texts, goals=()):
         asked(*texts, goals=goals)
     assert "\n" not in str(caught.value)
     return str(caught.value)
+
+
+@pytest.mark.parametrize(
+    "clause",
+    [
+        "fact(N, F) :- M is N - 1, fact(M, G), F is N * G.",
+        "0.5::up(N) :- M is 1 + N, up(M).",
+        "wrapped(X) :- wrapped(f(X)).",
+        "0.5::a(N); 0.5::b(N) :- M is N + 2, a(M).",
+    ],
+)
+def test_a_call_that_nothing_can_stop_is_told_before_any_run(clause):
+    (line,) = surely_endless(f"fact(0, 1).\n{clause}", "u.pl")
+    assert line.startswith("u.pl:2:")
+    assert "calls itself without end, whatever it is asked" in line
+
+
+@pytest.mark.parametrize(
+    "clause",
+    [
+        "n(N) :- N > 0, M is N - 1, n(M).",
+        "len([_ | T], N) :- len(T, M), N is M + 1.",
+        "up(N, [_ | T]) :- M is N + 1, up(M, T).",
+        "path(X, N) :- edge(X, Y), M is N + 1, path(Y, M).",
+        "half(N) :- M is N // 2, half(M).",
+        "same(N) :- M is N + 0, same(M).",
+        "left(X, Y) :- left(X, Z), edge(Z, Y).",
+        "turned(X, Y) :- turned(Y, X).",
+        "maybe(X) :- seen(X) ; maybe(f(X)).",
+        "n(N) :- M is N - ",
+    ],
+)
+def test_what_may_end_is_no_such_call(clause):
+    assert surely_endless(clause, "u.pl") == []
+
+
+@pytest.mark.parametrize(
+    ("program", "message"),
+    [
+        ("a.\nb('1', % 2\n  NINES).", "u.pl:3:3: holds a whole number of more digits than can be read"),
+        ("NINES::b.", "u.pl:1:1: holds a whole number of more digits than can be read"),
+    ],
+)
+def test_a_number_of_too_many_digits_has_a_place(program, message):
+    assert told(ProgramError, program.replace("NINES", "9" * 5000)) == message
+
+
+def test_a_number_that_becomes_too_large_is_told_in_words():
+    texts = [{"text": "b(X) :- X is 10**5000.\nquery(b(X)).", "file": "u.pl"}]
+    reply = reply_to({"texts": texts, "goals": [], "given": [], "names": None})
+    assert "a number gets more digits than can be written" in reply["error"]["reason"]
 
 
 CYCLES = {

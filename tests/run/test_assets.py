@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+import base64
 from types import SimpleNamespace
 
 import numpy as np
 import pytest
 
 from plogic.run.carried import LARGEST_PNG, MOST_TRIANGLES, image_asset, mesh_assets
+from plogic.run.painted import _coloured
 
 
 def _sheet(n):
@@ -44,3 +46,19 @@ def test_a_noisy_picture_is_carried_as_jpeg_a_plain_one_as_png():
     assert image_asset(noise)["image"]["media_type"] == "image/jpeg"
     assert image_asset(noise // 255)["image"]["media_type"] == "image/png"
     assert len(image_asset(noise)["image"]["base64"]) < 4 / 3 * LARGEST_PNG
+
+
+def test_a_texture_of_a_piece_a_triangle_is_carried_as_colours_of_vertices():
+    vertices, triangles = _sheet(20)
+    split = vertices[triangles].reshape(-1, 3)
+    column = np.repeat(np.arange(len(triangles)), 3)
+    uv = np.column_stack([(column + 0.5) / len(triangles), np.full(len(split), 0.5)])
+    texture = np.zeros((4, len(triangles), 3), np.uint8)
+    texture[..., 2] = 255 * split.reshape(-1, 3, 3).mean(axis=1)[:, 0]  # red grows to the right
+    row = _coloured(split, np.arange(len(split)).reshape(-1, 3), uv, texture)
+    at = np.frombuffer(base64.b64decode(row["vertices"]), "<f4").reshape(-1, 3)
+    colours = np.frombuffer(base64.b64decode(row["colours"]), np.uint8).reshape(-1, 3)
+    assert len(at) == len(vertices)
+    assert np.abs(colours[:, 0] / 255 - at[:, 0]).max() < 0.05
+    assert not colours[:, 1:].any()
+    assert len(np.frombuffer(base64.b64decode(row["triangles"]), "<u2")) == triangles.size

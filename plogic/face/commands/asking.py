@@ -4,6 +4,7 @@ The verbs are those of Python (``plogic.face.python``); here their results becom
 """
 
 import json
+import re
 import sys
 from collections.abc import Callable, Sequence
 from dataclasses import asdict
@@ -21,7 +22,7 @@ from plogic.facts.spatial import exclusion_lines, exclusions
 from plogic.logic.safety.atoms import quoted
 from plogic.logic.safety.author import load_problog
 from plogic.logic.served.engine import TOO_DEEP, ProgramRanking
-from plogic.run.sources import is_program
+from plogic.run.sources import is_program, program_text_of
 from plogic.scene import document as rows
 from plogic.scene.asking.query import unknown_names
 from plogic.scene.readings.unfinished import flagged, marks, with_notice
@@ -57,12 +58,25 @@ def worlds_command(
 
 
 def _opened(source: str, options: Asking) -> Asked:
-    """What the file holds; of a plain program it is said what only looks like a constraint."""
+    """What the file holds; of a plain program it is said what only looks like a constraint, and what cannot end."""
     asked = opened(source, options.reading, trust=options.trust, withhold=options.withhold)
     if isinstance(asked, Program):
-        for line in _idle(asked):
+        for line in (*_idle(asked), *_endless(asked.text, asked.file)):
+            say(line)
+    if options.rules is not None and options.rules != "-":
+        for line in _endless(program_text_of(options.rules), options.rules):
             say(line)
     return asked
+
+
+def _endless(text: str, file: str) -> list[str]:
+    """Without ProbLog where no clause has a number or a term that grows."""
+    if re.search(r":-[^.]*(\bis\b|\(\s*\w+\()", text) is None:
+        return []
+    load_problog()
+    from plogic.logic.safety.recursion import surely_endless
+
+    return surely_endless(text, file)
 
 
 def _idle(program: Program) -> list[str]:

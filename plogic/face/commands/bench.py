@@ -47,6 +47,11 @@ BENCHES = *COMPARED, *SIZED
     help="JPEG of `box`: a frame at two focal lengths; SVG of `calibration`.",
 )
 @click.option(
+    "--pictures",
+    type=click.Path(path_type=Path, file_okay=False),
+    help="Folder for a picture of each of the `photos`: what is accepted, the truth, and how far apart they are.",
+)
+@click.option(
     "--peer",
     type=click.Path(path_type=Path),
     help="Console script of another plogic, run in turn with ours by `start`.",
@@ -59,11 +64,14 @@ def bench(name: str, scenes: int, limit: float, seed: int, *, quick: bool, as_js
         raise click.UsageError("--quick: `towers` takes --scenes")
     if drawn["picture"] is not None and name not in {"box", "calibration"}:
         raise click.UsageError(f"--picture: `{name}` draws none; `box` and `calibration` do")
+    if drawn["pictures"] is not None and name != "photos":
+        raise click.UsageError(f"--pictures: `{name}` draws none; `photos` does")
     if drawn["peer"] is not None and name != "start":
         raise click.UsageError(f"--peer: `{name}` has none of this kind; `start` has")
     pictured, sized = {"quick": quick, "picture": drawn["picture"]}, {"quick": quick}
     others: dict[str, dict[str, Any]] = {"towers": {"scenes": scenes}, "box": pictured, "calibration": pictured}
-    others |= dict.fromkeys(SIZED, sized) | {"start": sized | {"peer": drawn["peer"]}}
+    others |= dict.fromkeys(SIZED, sized)
+    others |= {"start": sized | {"peer": drawn["peer"]}, "photos": sized | {"pictures": drawn["pictures"]}}
     options: dict[str, Any] = others.get(name, {"limit": limit, "quick": quick})
     text, met = import_module(f"benchmarks.{name.replace('-', '_')}.bench").run(
         seed=seed, **options, as_json=as_json, say=say

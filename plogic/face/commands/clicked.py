@@ -19,6 +19,7 @@ from plogic.face.shown.options import (
     FIRST_READING,
     INTERPRETATION,
     KB,
+    MARKS,
     READING,
     RECONSIDER,
     SEED,
@@ -124,6 +125,7 @@ def batch(inputs: tuple[str, ...], kb_folder: str, **options: Any) -> None:  # n
 @click.option(
     "--pictures", type=click.Path(path_type=Path, file_okay=False), help="Write each frame's picture into this folder."
 )
+@MARKS
 @FIRST_READING
 @RECONSIDER
 @SMOOTHING

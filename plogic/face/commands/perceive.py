@@ -24,12 +24,12 @@ from kb.clouds.cloud import KnowledgeBase
 from plogic.base.clock import Stopwatch
 from plogic.base.errors import InputError
 from plogic.cycle.delta import Options
-from plogic.face.shown.options import Perceiving, written
+from plogic.face.shown.options import Marks, Perceiving, written
 from plogic.facts.document import Interpretation
 from plogic.facts.interpretation import text_of
 from plogic.facts.situation import stopped_in
 from plogic.run.cameras import GivenCamera, Shot, shot_of, sized
-from plogic.run.document import placed_in, surpassed
+from plogic.run.document import place_of, placed_in, surpassed
 from plogic.run.perceive import perceiver_of
 from plogic.run.silence.beforehand import beforehand
 from plogic.run.sources import detected, gamma_of, is_gamma, kb_of
@@ -176,7 +176,7 @@ def _write_all(
 
         files[Path(options.report)] = page(document).encode()
     if options.picture:
-        files[Path(options.picture)] = picture_of(document, image)
+        files[Path(options.picture)] = picture_of(document, image, options.marks)
     if options.timings:
         timings = {"format": "timings/1", "seconds": clock.seconds, "total": clock.total}
         files[Path(options.timings)] = json.dumps(timings, indent=1).encode()
@@ -188,13 +188,13 @@ def _write_all(
     return UNFINISHED if document.get("unfinished") else 0
 
 
-def picture_of(document: Interpretation, image: NDArray[Any] | None) -> bytes:
-    """The overlay of figure 5 as PNG; ``image`` (H, W, 3) uint8, blue first."""
+def picture_of(document: Interpretation, image: NDArray[Any] | None, marks: Marks = "few") -> bytes:
+    """The overlay of figure 5 as PNG; ``image`` (H, W, 3) uint8, blue first; ``marks`` as ``overlay`` takes them."""
     import cv2
 
     from plogic.face.shown.overlay import overlay
 
-    return bytes(cv2.imencode(".png", overlay(document, image))[1].tobytes())
+    return bytes(cv2.imencode(".png", overlay(document, image, marks))[1].tobytes())
 
 
 def _doubts(document: Interpretation) -> list[str]:
@@ -351,15 +351,16 @@ def _looked(panorama: "Panorama", frame: Input, shot: Shot | None, placed: Place
 
 
 def _line(frame: str, look: "Look", panorama: "Panorama") -> str:
-    """One line: what was recalled, what was found, what is known now."""
+    """One line: what was recalled, what was found, what is known now and where it is in this view's camera frame."""
     events = [step["event"] for step in look.interpretation["trace"]]
     told = [f"{events.count('recall')} recalled"] * ("recall" in events) + ["no search"] * ("no search" in events)
     stopped = stopped_in(look.interpretation)
     told += [REASONS[stopped]] if stopped else []
     told += [f"gone: {', '.join(look.gone)}"] * bool(look.gone)
-    known = ", ".join(
+    known = [
         f"{k.id} {k.standing.object_type.name} ({k.probability:.3f}{f', {k.age} views ago' if k.age else ''})"
+        f" {place_of(k.standing.before(look.view).tolist())}"
         for k in panorama.known
-    )
+    ]
     seen = f"{look.view.id} {frame}: {len(look.view.gamma.appearances)} appearances"
-    return f"{seen}; {'; '.join([*told, known or 'no known object'])}"
+    return f"{seen}; {'; '.join([*told, *(known or ['no known object'])])}"

@@ -10,6 +10,7 @@ from pathlib import Path
 import numpy as np
 
 from geometry.camera import camera_to_dict
+from geometry.digits import whole
 from geometry.files.pose_files import read_moves
 from geometry.visibility.rays import RayMesh
 from kb.clouds.cloud import KnowledgeBase, ObjectType
@@ -121,8 +122,9 @@ def _tour(scene: Scene, moves: str, out: Path, files: Callable[[Scene], Mapping[
 def _views(moves: str) -> int:
     """N of ``ring:N``. Raises InputError."""
     text = moves.removeprefix(RING)
-    if text.isascii() and text.isdecimal() and 1 <= len(text) <= len(str(MOST_VIEWS)) and 1 <= int(text) <= MOST_VIEWS:
-        return int(text)
+    number = whole(text, MOST_VIEWS)
+    if number:
+        return number
     raise InputError(f"--robot {moves}: should be a file of moves, or ring:N with N from 1 to {MOST_VIEWS}")
 
 

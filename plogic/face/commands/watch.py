@@ -3,6 +3,7 @@
 import os
 import sys
 from contextlib import closing, suppress
+from functools import partial
 from itertools import islice
 from pathlib import Path
 from statistics import median
@@ -43,7 +44,7 @@ def watch_command(source: str, settings: Settings, options: Watching) -> int:
         settings,
         source,
         short=options.short,
-        draw=picture_of if drawn else None,
+        draw=partial(picture_of, marks=options.marks) if drawn else None,
         processes=1 if jobs > 1 else None,
     )
     for line in beforehand(watcher.perceiver.kb, settings.kb):
@@ -135,7 +136,7 @@ class Told:
             self.say(f"{name}: {seen.doubt} (told once)")
         if seen.status == ERROR:
             self.say(f"{name}: {seen.error.splitlines()[0]}")
-        self._progress.at(f"{name}: {', '.join(seen.known) or 'no known object'}; {self.summary()}")
+        self._progress.at(f"{name}: {'; '.join(seen.known) or 'no known object'}; {self.summary()}")
 
     def say(self, line: str) -> None:
         """A line that stays."""

@@ -14,6 +14,7 @@ from importlib.resources import files
 from string import Template
 
 from plogic.base.errors import BeliefError
+from plogic.face.shown.against import missed_rings
 from plogic.face.shown.edges import Stroke, edges_of
 from plogic.facts.document import Interpretation
 
@@ -24,7 +25,7 @@ class PageError(BeliefError):
 
 KIT = "kit"
 """The folder of what every page shares."""
-SHARED = ("elements.js", "vectors.js", "stage.js", "webgl.js", "canvas.js")
+SHARED = ("elements.js", "vectors.js", "stage.js", "webgl.js", "canvas.js", "textured.js")
 """The parts of the script that every page has, in the order in which they build on each other; a page's own come after
 them."""
 
@@ -105,6 +106,7 @@ PARTS = PageParts(
         "key.js",
         "panels.js",
         "scene.js",
+        "paints.js",
         "eye.js",
         "webgl.js",
         "canvas.js",
@@ -125,7 +127,11 @@ def page(document: Interpretation) -> str:
     """
     accepted = [h.get("label") or h["type"] for h in document.get("hypotheses", []) if h["status"] == "accepted"]
     edges = {h: [_packed(stroke) for stroke in strokes] for h, strokes in edges_of(document).items()}
-    return one_file(PARTS, ", ".join(accepted) or "nothing known", document, edges=edges)
+    camera = document.get("camera")
+    size = (int(camera["width"]), int(camera["height"])) if camera else (0, 0)
+    rows = [h for h in document.get("hypotheses", []) if h["status"] == "accepted" and h.get("outline")]
+    missed = {h["id"]: rings for h in rows if (rings := missed_rings(h, size))}
+    return one_file(PARTS, ", ".join(accepted) or "nothing known", document, edges=edges, missed=missed)
 
 
 def _packed(stroke: Stroke) -> list[object]:

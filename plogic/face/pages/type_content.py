@@ -4,13 +4,11 @@ Feature types, appearance types and parts are lists; features and lobes name the
 order of features.
 """
 
-import base64
 from collections.abc import Iterable
-from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import NDArray
 
 from kb.clouds.cloud import KnowledgeBase, ObjectType
 from kb.clouds.learned import LearnedCloud
@@ -18,69 +16,21 @@ from kb.shown.cautions import learned_summary
 from kb.shown.show import part_of_features, part_rows
 from plogic.face.pages.one_file import PageParts, one_file
 from plogic.measures.distinctiveness import distinctiveness, instance_counts
-from plogic.run.carried import alike, cells_of, means, whole
-from sensing.errors import SensingError
-from sensing.simulated.body import TexturedMesh, read_mesh
+from plogic.run.painted import Drawn, coarser, floats, painted_mesh, shorts, texture_picture
 
-LARGEST = 3e38
-"""Of a number in single precision; beyond it stands this."""
-
-
-def floats(values: ArrayLike) -> str:
-    """In single precision, row by row."""
-    return _text(np.clip(np.asarray(values, dtype=np.float64), -LARGEST, LARGEST).astype("<f4"))
-
-
-def shorts(values: ArrayLike) -> str:
-    """Whole numbers from 0 to 65535."""
-    numbers = np.asarray(values, dtype=np.int64)
-    if numbers.size and not 0 <= numbers.min() <= numbers.max() < 2**16:
-        raise ValueError(f"must be from 0 to 65535, not {numbers.min()} to {numbers.max()}")
-    return _text(numbers.astype("<u2"))
-
-
-def _text(array: np.ndarray[tuple[int, ...], np.dtype[np.generic]]) -> str:
-    return base64.b64encode(array.tobytes()).decode()
-
-
-MOST_TRIANGLES = 20_000
-"""Of the drawn mesh, and most of its corners; a larger one is drawn coarser."""
-GRIDS = (96, 72, 56, 40, 28, 20, 14, 10, 7)
-"""Cells to the longest side in which a large mesh's places are made one, finest first, until what is left is small
-enough."""
-SEAMS = 64
-"""Cells to the texture's side: corners at one place and in one of these cells are one."""
 LARGEST_PICTURE = 600_000
 """Bytes of the texture as JPEG."""
-SIDES = (2048, 1024, 512, 256, 128)
-"""Most pixels of the texture's sides, which are powers of two, largest first, until it is small enough."""
-QUALITY = 86
+LONGEST_SIDE = 2048
+"""Most pixels of the texture's sides."""
 COARSE = 0.5
 """The page says so where the texture has less than this share of its pixels."""
-
-
-@dataclass(frozen=True, eq=False)
-class Drawn:
-    """``vertices`` (V, 3) m, object frame; ``triangles`` (T, 3).
-
-    ``uv`` (V, 2), (0, 0) at the texture's lower left, or None.
-    """
-
-    vertices: NDArray[np.float64]
-    triangles: NDArray[np.int64]
-    uv: NDArray[np.float64] | None = None
-
-    @property
-    def small(self) -> bool:
-        """Whether it can be carried as it is."""
-        return max(len(self.triangles), len(self.vertices)) <= MOST_TRIANGLES
 
 
 def surface_document(kind: ObjectType) -> tuple[dict[str, Any] | None, list[str]]:
     """The surface as plain data, None of a type without one; and what had to be left out, a sentence each."""
     if kind.surface is None:
         return None, ["It has no mesh: only its features are drawn."]
-    painted, notes = _painted(kind)
+    painted, notes = painted_mesh(kind)
     whole = Drawn(kind.surface.vertices, kind.surface.triangles)
     if painted is not None:
         whole = Drawn(painted.vertices, painted.triangles, painted.uv)
@@ -89,7 +39,7 @@ def surface_document(kind: ObjectType) -> tuple[dict[str, Any] | None, list[str]
         notes.append(f"The mesh has {len(whole.triangles)} triangles; it is drawn with {len(drawn.triangles)}.")
     picture = None
     if painted is not None and painted.texture is not None:
-        picture, size = _picture(painted.texture)
+        picture, size = texture_picture(painted.texture, LARGEST_PICTURE, LONGEST_SIDE)
         height, width = painted.texture.shape[:2]
         if size[0] * size[1] < COARSE * width * height:
             notes.append(f"The texture has {width} by {height} pixels; it is drawn with {size[0]} by {size[1]}.")
@@ -100,55 +50,6 @@ def surface_document(kind: ObjectType) -> tuple[dict[str, Any] | None, list[str]
         "picture": picture,
     }
     return document, notes
-
-
-def _painted(kind: ObjectType) -> tuple[TexturedMesh | None, list[str]]:
-    """The textured mesh, None where there is none or it cannot be read."""
-    if kind.mesh_file is None:
-        return None, []
-    try:
-        mesh = read_mesh(kind.mesh_file, kind.mesh_scale)
-    except SensingError as error:
-        return None, [f"It is drawn without its texture: {error}."]
-    return (mesh if mesh.uv is not None and np.isfinite(mesh.uv).all() else None), []
-
-
-def coarser(mesh: Drawn) -> Drawn:
-    """The mesh itself where it is small enough.
-
-    Else with places of one grid cell made one, on the finest grid that does.
-    """
-    fewer = mesh
-    for cells in GRIDS if not mesh.small else ():
-        fewer = _clustered(mesh, cells)
-        if fewer.small:
-            break
-    return fewer
-
-
-def _clustered(mesh: Drawn, cells: int) -> Drawn:
-    place = cells_of(mesh.vertices, cells)
-    corner = place if mesh.uv is None else alike(np.column_stack([place, np.floor(mesh.uv * SEAMS)]))
-    triangles = corner[mesh.triangles[whole(place[mesh.triangles])]]
-    _, first = np.unique(corner, return_index=True)
-    used, index = np.unique(triangles, return_inverse=True)
-    vertices = means(mesh.vertices, place)[place[first]][used]
-    return Drawn(vertices, index.reshape(-1, 3), None if mesh.uv is None else means(mesh.uv, corner)[used])
-
-
-def _picture(texture: NDArray[np.uint8]) -> tuple[dict[str, str], tuple[int, int]]:
-    """JPEG of a BGR texture (H, W, 3), and its width and height, powers of two so that it can repeat."""
-    import cv2
-
-    for side in SIDES:
-        width, height = (min(side, 2 ** round(float(np.log2(size)))) for size in texture.shape[1::-1])
-        small = texture
-        if texture.shape[1::-1] != (width, height):
-            small = np.asarray(cv2.resize(texture, (width, height), interpolation=cv2.INTER_AREA), np.uint8)
-        data = cv2.imencode(".jpg", small, [cv2.IMWRITE_JPEG_QUALITY, QUALITY])[1]
-        if data.size <= LARGEST_PICTURE:
-            break
-    return {"media_type": "image/jpeg", "base64": base64.b64encode(data.tobytes()).decode()}, (width, height)
 
 
 MOST_FEATURES = 6_000

@@ -5,7 +5,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
-from typing import TYPE_CHECKING, Self, get_args
+from typing import TYPE_CHECKING, Literal, Self, get_args
 
 import numpy as np
 from numpy.typing import NDArray
@@ -114,7 +114,8 @@ class Hypothesis:
 
     ``T_camera_object`` (4, 4) maps points of the object's frame to the camera's, metres. ``status`` is accepted, rival
     or rejected. ``cases`` gives each feature its case A, B, C or D of §4, None outside the image. ``interval`` bounds
-    the probability.
+    the probability. ``pose_probability``: P(its pose is within a tenth of its diameter of the true one (ADD), given
+    that it is present), by a photo; None without one.
     """
 
     id: str
@@ -126,6 +127,7 @@ class Hypothesis:
     interval: tuple[float, float]
     status: str
     cases: dict[str, str | None]
+    pose_probability: float | None = None
 
     def __eq__(self, other: object) -> bool:
         return _plain(self) == _plain(other) if isinstance(other, Hypothesis) else NotImplemented
@@ -294,11 +296,14 @@ class Interpretation(Asked, Result):
         """
         return Program(program_text(self.subject) + "\n" + query_lines(self.subject), "interpretation.pl")
 
-    def picture(self) -> Picture:
-        """Return the hypotheses drawn over the image: (H, W, 3) uint8, blue first."""
+    def picture(self, marks: Literal["few", "all", "none"] = "few") -> Picture:
+        """Return the hypotheses drawn over the image: (H, W, 3) uint8, blue first.
+
+        ``marks`` of features: ``few``, where they are not hundreds; ``all``; or ``none``.
+        """
         from plogic.face.shown.overlay import overlay
 
-        return overlay(self._document, self.image).view(Picture)
+        return overlay(self._document, self.image, marks).view(Picture)
 
     @property
     def image(self) -> NDArray[np.uint8] | None:
@@ -358,6 +363,7 @@ def _hypothesis(row: rows.HypothesisRow | rows.RejectedRow) -> Hypothesis:
         _interval(row),
         row["status"],
         {f["id"]: f.get("case") for f in row["features"]},
+        row.get("pose_probability"),
     )
 
 

@@ -10,6 +10,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
+from geometry.digits import whole
 from plogic.base.errors import InputError, OutsideError
 from plogic.face.session.results import World, Worlds
 from plogic.facts.situation import Situation
@@ -179,8 +180,9 @@ class SceneMind(Asked):
     def clauses(self, name: str) -> tuple[str, tuple[str, ...]]:
         """A layer as the program text has it, or the clauses of a predicate with labels for atoms."""
         layers = self._layers()
-        if name.isdecimal() and 0 < int(name) <= len(layers):
-            return layers[int(name) - 1]
+        number = whole(name, len(layers))
+        if number:
+            return layers[number - 1]
         spelled = {f"{word}{end}": f"{own}{end}" for (word, n), own in SPELLINGS.items() for end in ("", f"/{n}")}
         return self.clauses_of(spelled.get(name, name))
 

@@ -11,6 +11,7 @@ from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Literal
 
+from geometry.digits import whole
 from geometry.errors import PlogicError
 from plogic.base.errors import InputError, UnknownPredicateError
 from plogic.face.session.blocks import Result
@@ -39,9 +40,10 @@ class Verb:
 def _number(verb: str, text: str, default: int) -> int:
     if not text:
         return default
-    if not text.isascii() or not text.isdigit() or not 0 < int(text) <= 1_000_000:
-        raise InputError(f"{verb} {text}: should be a number of worlds, such as {verb} {default}")
-    return int(text)
+    number = whole(text, 1_000_000)
+    if not number:
+        raise InputError(f"{verb} {text:.80}: should be a number of worlds, such as {verb} {default}")
+    return number
 
 
 def _numbered(text: str) -> tuple[str, int | None]:

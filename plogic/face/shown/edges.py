@@ -7,8 +7,8 @@ carries; rivals are in no world together. Which of the others are present is for
 world to world.
 
 An outline's depth is that of its object's surface just inside of it. Creases are drawn of a mesh that has few; of a
-smooth or a scanned one the outline is all. Of a type without a mesh nothing is known to be hidden, and of a rejected
-hypothesis only what it hides of itself: it is in no world with others.
+smooth or a scanned one its ``folds``, which depend on the view. Of a type without a mesh nothing is known to be hidden,
+and of a rejected hypothesis only what it hides of itself: it is in no world with others.
 """
 
 from collections.abc import Iterator, Mapping, Sequence
@@ -25,6 +25,7 @@ from geometry.errors import GeometryError
 from geometry.frames import inverse, rotate, transform_points
 from geometry.visibility.outline import image_area
 from geometry.visibility.rays import RayMesh, behind
+from plogic.face.shown.folds import folds
 from plogic.facts.document import HypothesisRow, Interpretation, RejectedRow
 
 STEP = 3.0
@@ -84,6 +85,8 @@ def edges_of(document: Interpretation) -> dict[str, list[Stroke]]:
     for h in rows:
         if len(inner.get(h["type"], ())) <= MOST_CREASES:
             lines[h["id"]] += _creases(h, inner.get(h["type"], NONE), camera)
+        elif h["status"] != "rejected":
+            lines[h["id"]] += _folds(h, meshes[h["type"]], camera)
     able = [h for h in rows if h["status"] != "rejected" and h.get("opaque", True) and h["type"] in meshes]
     apart = {frozenset(fact["args"]) for fact in document.get("facts", []) if fact["fact"] == "rival"}
     found = {}
@@ -161,6 +164,15 @@ def _creases(h: Row, ends: Floats, camera: Camera) -> Iterator[_Line]:
         for run in _runs(inside):
             if inside[run.start]:
                 yield _Line(uv[run], points[run], inner=True)
+
+
+def _folds(h: Row, mesh: RayMesh, camera: Camera) -> Iterator[_Line]:
+    """Of the folds of its surface what is inside of the outline and in the image."""
+    rings = shapely.MultiLineString(_rings(h))
+    for points in folds(mesh, _pose(h)):
+        uv = camera.project(points)
+        inside = camera.contains(uv) & (shapely.distance(shapely.points(np.nan_to_num(uv)), rings) > RIM)
+        yield from (_Line(uv[run], points[run], inner=True) for run in _runs(inside) if inside[run.start])
 
 
 def _evenly_seen(start: Floats, end: Floats, count: int) -> Floats:

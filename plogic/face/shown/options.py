@@ -6,7 +6,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from functools import wraps
 from pathlib import Path
-from typing import Any
+from typing import Any, Literal
 
 import click
 
@@ -148,6 +148,14 @@ DEADLINE = click.option(
     type=Number(0.0, min_open=True),
     help="Seconds; then every answer is an interval that contains the exact one (exit 3).",
 )
+Marks = Literal["few", "all", "none"]
+MARKS = click.option(
+    "--marks",
+    type=click.Choice(["few", "all", "none"]),
+    default="few",
+    show_default=True,
+    help="Marks of features in the picture: where they are not hundreds (`few`), `all`, or `none`.",
+)
 BOP = click.option("--bop", type=click.Path(path_type=Path), help="New folder for scenes as a BOP dataset as well.")
 BOP_IMAGES = click.option(
     "--bop-images",
@@ -200,6 +208,7 @@ class Perceiving:
     deadline: float | None = None
     report: Path | None = None
     picture: Path | None = None
+    marks: Marks = "few"
     timings: Path | None = None
     every: int = 1
 
@@ -254,6 +263,7 @@ class Watching:
     short: bool = False
     picture: Path | None = None
     pictures: Path | None = None
+    marks: Marks = "few"
 
 
 @dataclass(frozen=True)

@@ -6,10 +6,12 @@ square, C dashed circle, D filled square. One colour per hypothesis (Okabe and I
 eyes); a strip below explains the marks. Outlines and creases are dashed where another accepted object or their own
 hides them.
 
-Where an accepted type is learned, or Γ has more than ``MANY`` appearances, the same four cases are drawn as dots: a
-filled dot found, a hollow one missed, a small square unexpected, nothing where neither; and appearances that nothing
-claims, thousands in a photo, are left out. Of the sides of edges a found one is a stroke along its edge with a tick
-towards its side, and a missed one, of which no angle is known, a small cross.
+Where an accepted type is learned, or Γ has more than ``MANY`` appearances, hundreds of marks would bury the objects:
+edges, names with probabilities and, hatched, where features are missed are all; the legend has the counts, and the
+rivals. With ``marks`` ``all`` the same four cases are drawn as dots: a filled dot found, a hollow one missed, a small
+square unexpected, nothing where neither; appearances that nothing claims, thousands in a photo, are left out. Of the
+sides of edges a found one is a stroke along its edge with a tick towards its side, and a missed one, of which no angle
+is known, a small cross.
 """
 
 from collections import Counter
@@ -22,9 +24,13 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
+from plogic.face.shown.against import missed_on, silhouette
 from plogic.face.shown.edges import edges_of
-from plogic.face.shown.pencil import Box, Colour, Pencil, Place, free_place
+from plogic.face.shown.options import Marks
+from plogic.face.shown.pencil import Box, Colour, Pencil, Place, beside, free_place
 from plogic.facts.document import FeatureRow, HypothesisRow, Interpretation
+from plogic.facts.interpretation import found_and_usual
+from plogic.run.document import best_rivals
 
 PALETTE = ("#E69F00", "#56B4E9", "#009E73", "#CC79A7", "#F0E442", "#D55E00", "#0072B2")
 """Okabe and Ito's colours without black, as the page uses them."""
@@ -38,6 +44,8 @@ MANY = 500
 """Appearances of a photo: of more than so many, none is drawn that nothing claims, and all marks are dots."""
 BUSY, PALE = 200, 0.4
 """More marks than so many are drawn with this share of their opacity, so that the objects are seen through them."""
+DOUBT = 0.05
+"""Probability from which a rival is told."""
 CASES = (
     ("A", "expected, detected", True, True),
     ("C", "expected, missed", True, False),
@@ -50,12 +58,13 @@ Entry = tuple[str, Draw]
 """A text of the legend and what draws the mark before it."""
 
 
-def overlay(document: Interpretation, image: NDArray[np.uint8] | None) -> NDArray[np.uint8]:
+def overlay(document: Interpretation, image: NDArray[np.uint8] | None, marks: Marks = "few") -> NDArray[np.uint8]:
     """Return the interpretation drawn over its image.
 
     Args:
         document: an ``interpretation/1`` document.
         image: (H, W, 3) BGR, or None for a plain ground; stretched to the camera's size if it is another.
+        marks: of features: ``few``, where they are not hundreds; ``all``; or ``none``.
 
     Returns:
         (s H + legend, s W, 3) BGR, s = 2 below ``LARGE`` and else 1; the legend is as high as its lines need.
@@ -67,19 +76,80 @@ def overlay(document: Interpretation, image: NDArray[np.uint8] | None) -> NDArra
     picture = np.asarray(cv2.resize(ground, size, interpolation=cv2.INTER_CUBIC), np.uint8)
     pencil = Pencil(picture, scale)
     accepted = [h for h in document.get("hypotheses", []) if h["status"] == "accepted"]
+    if marks == "none" or crowded(document):
+        return np.concatenate([picture, _draw_photo(pencil, accepted, document, marks)])
     dashed = _draw_edges(pencil, accepted, document)
-    if crowded(document):
-        sides = sides_of(document)
-        draw_dots(pencil, accepted, sides)
-        return np.concatenate([picture, _legend(picture.shape[1], accepted, [], sides, dashed=dashed)])
     kinds = sorted({a["type"] for a in document.get("appearances", [])})
-    marks = [(f, i) for i, h in enumerate(accepted) for f in h.get("features", []) if f.get("case")]
-    with _seen_through(pencil, len(marks) + len(document.get("appearances", []))):
-        _draw_marks(pencil, marks)
+    full = [(f, i) for i, h in enumerate(accepted) for f in h.get("features", []) if f.get("case")]
+    with _seen_through(pencil, len(full) + len(document.get("appearances", []))):
+        _draw_marks(pencil, full)
         for a in document.get("appearances", []):
             pencil.sign(a["uv"], a["type"], kinds)
     _draw_names(pencil, accepted, [a["uv"] for a in document.get("appearances", [])])
-    return np.concatenate([picture, _legend(picture.shape[1], accepted, kinds, dashed=dashed)])
+    entries = [*_case_entries(accepted, None), *((_name(h), _swatch(colour_of(i))) for i, h in enumerate(accepted))]
+    entries += _edge_entries(accepted, dashed=dashed)
+    entries += [(k.replace("_", " "), partial(Pencil.sign, kind=k, kinds=kinds)) for k in kinds]
+    return np.concatenate([picture, _legend(picture.shape[1], entries)])
+
+
+def _draw_photo(
+    pencil: Pencil, accepted: list[HypothesisRow], document: Interpretation, marks: Marks
+) -> NDArray[np.uint8]:
+    """Draw where features are missed, edges, dots where they are few or asked for, and names; return the legend."""
+    size = int(document["camera"]["width"]), int(document["camera"]["height"])
+    missed = [missed_on(h, size) for h in accepted]
+    for i, places in enumerate(missed):
+        pencil.hatch(places, colour_of(i))
+    dashed = _draw_edges(pencil, accepted, document)
+    sides = sides_of(document)
+    dotted = marks == "all" or (marks == "few" and _few(accepted))
+    if dotted:
+        draw_dots(pencil, accepted, sides)
+    _draw_labels(pencil, accepted, size)
+    entries = [*_case_entries(accepted, sides)] if dotted else []
+    entries += [(f"{_name(h)}{_chance(h)}{_found(h)}", _swatch(colour_of(i))) for i, h in enumerate(accepted)]
+    entries += [
+        (f"rival of {name}: {_name(rival)}{_chance(rival)}", _nothing)
+        for name, rival in best_rivals(document).items()
+        if rival["probability"] >= DOUBT
+    ]
+    hatched: Entry = "less than a third found of what was in learning", _hatched
+    entries += [hatched] * any(map(np.any, missed))
+    return _legend(pencil.picture.shape[1], entries + _edge_entries(accepted, dashed=dashed))
+
+
+def _few(accepted: list[HypothesisRow]) -> bool:
+    """Whether the features are few, and none is learned: a learned type has hundreds on a few pixels."""
+    rows = [f for h in accepted for f in h.get("features", []) if f.get("case") in ("A", "C", "D")]
+    return len(rows) <= BUSY and not any("learned_rate" in f for f in rows)
+
+
+def _found(h: HypothesisRow) -> str:
+    """How many features are found, and how many of them were when the type was learned."""
+    counts = found_and_usual(h.get("features", []))
+    return "" if counts is None else f": {counts[0]} of {counts[1]} features found, {counts[2]} in learning"
+
+
+def _draw_labels(pencil: Pencil, accepted: list[HypothesisRow], size: tuple[int, int]) -> None:
+    """Write each name with its probability beside its object, where it covers no name and little of any object."""
+    rows, columns = pencil.picture.shape[:2]
+    shapes = np.any([np.zeros(size[::-1], bool), *(silhouette(h, size) for h in accepted)], axis=0)
+    cover = cv2.integral(cv2.resize(shapes.astype(np.uint8), (columns, rows), interpolation=cv2.INTER_NEAREST))
+    taken: list[Box] = []
+    for i, h in enumerate(accepted):
+        places = np.array([pencil.at(p) for p in _places(h)]).reshape(-1, 2)
+        text = f"{_name(h)}{_chance(h)}"
+        if len(places):
+            (left, top), (right, bottom) = places.min(axis=0), places.max(axis=0)
+            box = beside(pencil.size(text, 0.75), (left, top, right, bottom), taken, np.asarray(cover, np.float64))
+            if box is not None:
+                taken.append(box)
+                pencil.text(text, box, 0.75, colour_of(i))
+
+
+def _places(h: HypothesisRow) -> list[list[float]]:
+    """Places of the outline, or of the features of what has none."""
+    return [p for ring in h.get("outline", []) for p in ring] or [f["uv"] for f in h.get("features", [])]
 
 
 def crowded(document: Interpretation) -> bool:
@@ -119,7 +189,7 @@ def sides_of(document: Interpretation) -> Sides:
 
 
 def draw_dots(pencil: Pencil, accepted: list[HypothesisRow], sides: Sides) -> None:
-    """A mark for each feature by its case, pale where they are hundreds, then the names with their probabilities."""
+    """A mark for each feature by its case, pale where they are hundreds."""
     marks = [
         (f, i)
         for wanted in ("D", "C", "A")
@@ -130,9 +200,6 @@ def draw_dots(pencil: Pencil, accepted: list[HypothesisRow], sides: Sides) -> No
     with _seen_through(pencil, len(marks)):
         for f, i in marks:
             _draw_small(pencil, f, colour_of(i), sides)
-    taken: list[Box] = []
-    for i, h in enumerate(accepted):
-        _write_name(pencil, h, i, taken, f"{_name(h)}{_chance(h)}")
 
 
 def _draw_small(pencil: Pencil, f: FeatureRow, colour: Colour, sides: Sides) -> None:
@@ -197,11 +264,11 @@ def _draw_names(pencil: Pencil, accepted: list[HypothesisRow], signs: list[list[
             _write(pencil, f["id"].rsplit("/", 1)[-1], tuple(f["uv"]), colour_of(i), (taken, 0.55, False))
 
 
-def _write_name(pencil: Pencil, h: HypothesisRow, i: int, taken: list[Box], text: str = "") -> None:
-    points = [p for ring in h.get("outline", []) for p in ring] or [f["uv"] for f in h.get("features", [])]
+def _write_name(pencil: Pencil, h: HypothesisRow, i: int, taken: list[Box]) -> None:
+    points = _places(h)
     if points:
         us, v = [p[0] for p in points], min(p[1] for p in points)
-        _write(pencil, text or _name(h), ((min(us) + max(us)) / 2, v), colour_of(i), (taken, 0.75, True))
+        _write(pencil, _name(h), ((min(us) + max(us)) / 2, v), colour_of(i), (taken, 0.75, True))
 
 
 def _name(h: HypothesisRow) -> str:
@@ -234,20 +301,13 @@ def _chance(h: HypothesisRow) -> str:
     return "" if p is None else f" {'>0.999' if 0.9995 < p < 1 else f'{p:.3f}'}"
 
 
-def _legend(
-    width: int, accepted: list[HypothesisRow], kinds: list[str], sides: Sides | None = None, *, dashed: bool
-) -> NDArray[np.uint8]:
-    """Return the strip (lines, width, 3) that explains colours, lines, cases and signs; it wraps.
+def _edge_entries(accepted: list[HypothesisRow], *, dashed: bool) -> list[Entry]:
+    rows: list[Entry] = [("edge", partial(_sample, dashed=False)), ("hidden edge", partial(_sample, dashed=True))]
+    return [row for row, some in zip(rows, (bool(accepted), dashed), strict=True) if some]
 
-    ``dashed``: an edge is hidden. ``sides``: of the small marks of many features.
-    """
-    entries = _case_entries(accepted, sides)
-    entries += [
-        (f"{_name(h)}{'' if sides is None else _chance(h)}", _swatch(colour_of(i))) for i, h in enumerate(accepted)
-    ]
-    entries += [("edge", partial(_sample, dashed=False))] * bool(accepted)
-    entries += [("hidden edge", partial(_sample, dashed=True))] * dashed
-    entries += [(k.replace("_", " "), partial(Pencil.sign, kind=k, kinds=kinds)) for k in kinds]
+
+def _legend(width: int, entries: list[Entry]) -> NDArray[np.uint8]:
+    """Return the strip (lines, width, 3) that explains colours, lines, cases and signs; it wraps."""
     strip = np.full((LINE * (3 + len(entries)), width, 3), 34, np.uint8)
     pencil, x, y = Pencil(strip, 1), 14.0, 12 + LINE / 2
     for text, draw in entries:
@@ -291,5 +351,12 @@ def _sample(pencil: Pencil, at: Place, *, dashed: bool) -> None:
     pencil.stroke([(at[0] - 12, at[1]), (at[0] + 12, at[1])], GREY, 2, dashed=dashed)
 
 
+def _hatched(pencil: Pencil, at: Place) -> None:
+    x, y = int(at[0]), int(at[1])
+    places = np.zeros(pencil.picture.shape[:2], bool)
+    places[y - 8 : y + 8, x - 8 : x + 8] = True
+    pencil.hatch(places, GREY)
+
+
 def _nothing(_pencil: Pencil, _at: Place) -> None:
-    """Case B of a photo has no mark."""
+    """Case B of a photo has no mark, nor has a rival."""

@@ -120,6 +120,14 @@ class Pencil:
             for stroke in strokes:
                 self._line(centre + np.array(stroke, float), paint, width)
 
+    def hatch(self, places: NDArray[np.bool_], colour: Colour) -> None:
+        """Hatch the places (H, W) of the original image: lines from lower left to upper right, 10 pixels apart."""
+        rows, columns = self.picture.shape[:2]
+        wide = cv2.resize(places.astype(np.uint8), (columns, rows), interpolation=cv2.INTER_NEAREST) > 0
+        across = np.add.outer(np.arange(rows), np.arange(columns)) % 10
+        for paint, here in ((DARK, across < 4), (colour, (across > 0) & (across < 3))):
+            self.picture[wide & here] = paint
+
     def mark_box(self, uv: Place) -> Box:
         """Return the box of a mark there."""
         x, y = self.at(uv)
@@ -179,6 +187,32 @@ def free_place(
             if not any(meet(box, other) for other in taken):
                 return box
     return None
+
+
+def beside(size: tuple[float, float], own: Box, taken: list[Box], cover: NDArray[np.float64]) -> Box | None:
+    """Return the box of that size about an object's box, in the picture, that covers least and is near.
+
+    It meets none of the ``taken`` boxes; ``cover`` (H + 1, W + 1) is the integral of what should not be covered, 1 a
+    pixel; None if there is no room.
+    """
+    (width, height), (left, top, right, bottom) = size, own
+    rows, columns = (n - 1 for n in cover.shape)
+    best: tuple[float, Box] | None = None
+    for away in range(6, 200, 12):
+        above, below = top - away - height, bottom + away
+        places = [(x, y) for y in (above, below) for x in ((left + right - width) / 2, left, right - width)]
+        beside = np.linspace(top, bottom - height, 4)
+        places += [(x, y) for x in (right + away, left - away - width) for y in beside]
+        for x, y in places:
+            x, y = min(max(4.0, x), columns - width - 4), min(max(4.0, y), rows - height - 8)  # noqa: PLW2901
+            box = (x, y, x + width, y + height)
+            if any(meet(box, other) for other in taken) or x < 0 or y < 0:
+                continue
+            a, b, c, d = (int(side) for side in box)
+            covered = float(cover[d, c] - cover[b, c] - cover[d, a] + cover[b, a]) / max(1.0, width * height)
+            if best is None or away + 300.0 * covered < best[0] - 1e-9:
+                best = away + 300.0 * covered, box
+    return None if best is None else best[1]
 
 
 def meet(a: Box, b: Box, margin: float = 3.0) -> bool:

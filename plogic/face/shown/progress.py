@@ -43,6 +43,8 @@ class Progress:
             sys.stderr.flush()
 
 
+LEAST = 0.5
+"""Seconds: what is told as 0 s left, and still goes on, takes longer than expected."""
 TICK = 1.0
 """Seconds between two looks at the clock."""
 
@@ -95,12 +97,15 @@ class Work:
             self._say(line)
 
     def text(self, now: float) -> str:
-        """``cup: 20 of 120 views; 12 % of all, about 3 min left``."""
+        """``cup: 20 of 120 views; 12 % of all, about 3 min left``; of what comes after all that is counted, that."""
+        if self._done >= self._total:
+            return f"{self._text}; the last phase, whose time is not known"
         share = int(100.0 * self._done / self._total)
         if not self._done:
             return f"{self._text}; {share} % of all"
         left = (self._stepped - self._start) / self._done * (self._total - self._done) - (now - self._stepped)
-        return f"{self._text}; {share} % of all, about {duration(max(left, 0.0))} left"
+        told = f"about {duration(left)} left" if left >= LEAST else "longer than expected"
+        return f"{self._text}; {share} % of all, {told}"
 
     def _tell(self) -> None:
         while not self._over.wait(TICK):

@@ -70,7 +70,9 @@ def answers(document: Answers) -> Table:
 
 def measures(document: Interpretation) -> Table:
     """Return the support of every hypothesis per feature type and its explanatory values (§7.2.4, Table 1)."""
-    right = [(n, "right") for n in ("dv", "A", "C", "B", "D", "ev", "P(ev)", "reconsidered", "probability")]
+    posed = any("pose_probability" in h for h in document.get("hypotheses", []))
+    names = ("dv", "A", "C", "B", "D", "ev", "P(ev)", "reconsidered", "probability", *["P(pose)"] * posed)
+    right = [(n, "right") for n in names]
     table = _table(
         f"measures{over_instances(document)}",
         ("hypothesis", "left"),
@@ -86,11 +88,14 @@ def measures(document: Interpretation) -> Table:
             chance(h.get("p_ev")),
             signed(h.get("ev_reconsidered")),
             chance(h.get("probability")),
+            *[chance(h.get("pose_probability"))] * posed,
         )
         rows = _support_rows(h.get("support", {}), dv)
         for i, row in enumerate(rows):
             last = i == len(rows) - 1
-            table.add_row(*(head if i == 0 else ("", "")), *row, *(tail if i == 0 else ("",) * 4), end_section=last)
+            table.add_row(
+                *(head if i == 0 else ("", "")), *row, *(tail if i == 0 else ("",) * len(tail)), end_section=last
+            )
     return table
 
 

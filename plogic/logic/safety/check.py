@@ -5,6 +5,7 @@ findall/3 and the like. It says all that is wrong at once. What a program builds
 call(X)``) is for the second layer (``engine``).
 """
 
+import warnings
 from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass, field
 from functools import lru_cache
@@ -15,6 +16,7 @@ from problog.errors import ProbLogError
 from problog.logic import And, AnnotatedDisjunction, Clause, Constant, Not, Or, Term, Var
 from problog.program import PrologString
 
+from geometry.digits import TOO_LONG, start_of_too_long
 from plogic.base.errors import ProgramError, UnknownPredicateError, UnsafeProgramError
 from plogic.logic.safety import labels
 from plogic.logic.safety.allowlist import (
@@ -31,6 +33,8 @@ from plogic.logic.safety.closest import closest
 
 LONGEST_TEXT = 20_000_000
 """Characters that a program may have."""
+_NO_NUMBERS = r"%.*|'(?:[^'\\]|\\.|'')*'|\"(?:[^\"\\]|\\.)*\""
+"""Comments and quoted texts of a program."""
 REMEMBERED_TEXT = 50_000
 """Characters of a text up to which it is remembered: its terms take some hundred times as many bytes."""
 
@@ -69,13 +73,18 @@ def parse(text: str, file: str = "program", identifier: int = 0) -> Source:
 
 def _parsed(text: str, file: str, identifier: int) -> Source:
     try:
-        program = PrologString(text, identifier=identifier)
-        return Source(text, file, tuple(program), program)
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore")  # its parser's, of == and \==, which name its own file
+            program = PrologString(text, identifier=identifier)
+            return Source(text, file, tuple(program), program)
     except ProbLogError as error:
         raise ProgramError(error.base_message, file=file, **_line_column(text, error.location)) from None
     except RecursionError:
         raise ProgramError("nested too deeply", file=file) from None
     except Exception as error:  # noqa: BLE001 - the parser raises what its actions raise (a cut, a bad number)
+        start = start_of_too_long(text, _NO_NUMBERS)
+        if start is not None:
+            raise ProgramError(TOO_LONG, file=file, **_line_column(text, start)) from None
         raise ProgramError(f"cannot be read as ProbLog ({error})", file=file) from None
 
 

@@ -1,19 +1,23 @@
 """Which predicates of a program may call themselves without end: what is said beside a limit that a run came to.
 
+Of some it is certain before any run (``surely_endless``): the clause takes any arguments, and calls itself with a
+larger or smaller one before any condition could stop it.
+
 Nobody knows whether a recursion ends. One is suspected where the call that leads back has an argument that grows: a
 term around a variable, or a number that the clause has computed. Calls whose arguments only move about are answered
 from a table and end.
 
+* ``surely_endless("n(N) :- M is N - 1, n(M).", "u.pl")``: a line on that call
 * ``endless(texts, goals)``: ``"recursion without end? count/1 calls itself: count(N1) (u.pl:3:24)"``
 """
 
 from collections.abc import Iterator, Sequence
 from typing import Any, NamedTuple
 
-from problog.logic import AnnotatedDisjunction, Clause, Constant, Term, Var
+from problog.logic import And, AnnotatedDisjunction, Clause, Constant, Term, Var
 
 from plogic.base.errors import ProgramError
-from plogic.logic.safety.check import Source, heads, is_directive, parse
+from plogic.logic.safety.check import REMEMBERED_TEXT, Source, heads, is_directive, parse
 from plogic.logic.safety.guarded_engine import goals_under
 
 SHOWN = 3
@@ -52,6 +56,60 @@ def endless(texts: Sequence[dict[str, str]], goals: Sequence[str], *, grown: boo
     told = [f"{call.head} {_how(call)}: {call.text} ({call.place})" for call in found[:SHOWN]]
     more = f"; and {len(found) - SHOWN} more" if len(found) > SHOWN else ""
     return f"recursion without end? {'; '.join(told)}{more}"
+
+
+def surely_endless(text: str, file: str) -> list[str]:
+    """A line, with its place, on each call of a clause to itself that no run of it can end.
+
+    A text that cannot be read, or is so long that reading it takes its time, is told of elsewhere.
+    """
+    if len(text) > REMEMBERED_TEXT:
+        return []
+    try:
+        source = parse(text, file)
+    except ProgramError:
+        return []
+    clauses = [s for s in source.statements if isinstance(s, (Clause, AnnotatedDisjunction)) and not is_directive(s)]
+    found = [(head, call) for clause in clauses for head in heads(clause) for call in _unstopped(head, clause.body)]
+    return [
+        f"{ProgramError(f'{head.signature} calls itself without end, whatever it is asked: {call}', **source.place(call))}"
+        "; a condition before the call ends it, such as N > 0"
+        for head, call in found
+    ]
+
+
+def _unstopped(head: Any, body: Any) -> Iterator[Any]:  # noqa: ANN401 - terms of ProbLog's
+    """The call of a clause to itself before which nothing can fail, with an argument that never comes back."""
+    places = {str(argument): i for i, argument in enumerate(head.args)}
+    if len(places) < len(head.args) or not all(isinstance(argument, Var) for argument in head.args):
+        return
+    steps = dict[str, str]()
+    while body is not None:
+        goal, body = (body.op1, body.op2) if isinstance(body, And) else (body, None)
+        if isinstance(goal, (Var, Constant)):
+            return
+        if goal.signature == head.signature:
+            if any(_beyond(argument, i, places, steps) for i, argument in enumerate(goal.args)):
+                yield goal
+            return
+        if goal.signature != "is/2" or not isinstance(goal.args[0], Var):
+            return
+        steps[str(goal.args[0])] = _stepped(goal.args[1])
+
+
+def _stepped(value: Any) -> str:  # noqa: ANN401 - a term of ProbLog's
+    """``N`` of ``N + 1``, ``1 + N`` and ``N - 1``: what a number other than 0 is added to; else ''."""
+    if isinstance(value, (Var, Constant)) or value.signature not in ("'+'/2", "'-'/2", "+/2", "-/2"):
+        return ""
+    one, other = value.args if isinstance(value.args[0], Var) or "-" in value.signature else reversed(value.args)
+    return str(one) if isinstance(one, Var) and isinstance(other, Constant) and other.compute_value() else ""
+
+
+def _beyond(argument: Any, place: int, places: dict[str, int], steps: dict[str, str]) -> bool:  # noqa: ANN401 - a term
+    """Whether an argument of the call is that of the head with something added, or a term around it."""
+    if isinstance(argument, Var):
+        return places.get(steps.get(str(argument), "")) == place
+    return _around(argument) and any(places.get(str(variable)) == place for variable in argument.variables())
 
 
 def _how(call: Call) -> str:

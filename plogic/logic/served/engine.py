@@ -195,16 +195,24 @@ def ask(request: dict[str, Any], limits: Limits) -> dict[str, Any]:
         reply = _ask(request, limits) if process is None else process(request)
         if "error" in reply:
             _raise(reply["error"], limits)
+    except errors.NonGroundError as error:
+        if not any("findall(" in goal for goal in request["goals"]):
+            raise
+        named = "write it as a rule, n(N) :- findall(...), ..., in the program or --rules FILE, and ask n(N)"
+        raise errors.NonGroundError(
+            f"{error.reason}: {named}", file=error.file, line=error.line, column=error.column
+        ) from None
     except LimitError as error:
         from plogic.logic.safety.author import load_problog
 
         load_problog()
+        from plogic.logic.safety.closest import counting
         from plogic.logic.safety.recursion import endless
 
-        suspect = endless(request["texts"], request["goals"])
-        if not suspect:
+        hints = endless(request["texts"], request["goals"]), counting(request["texts"], request["goals"])
+        if not any(hints):
             raise
-        raise LimitError(f"{error}; {suspect}") from None
+        raise LimitError("; ".join([str(error), *filter(None, hints)])) from None
     return reply
 
 

@@ -64,7 +64,8 @@ def reply_to(request: dict[str, Any], tell: Tell | None = None) -> dict[str, Any
         reason = "the recursion does not end, or terms are nested too deeply" + (suspect and f"; {suspect}")
     except Exception as error:  # noqa: BLE001 - whatever a program makes of ProbLog must not look like a limit
         what = " ".join(f"{type(error).__name__}: {error}".split())[:300]
-        reason = f"the program cannot be run ({what})"
+        long = isinstance(error, ValueError) and "integer string conversion" in what
+        reason = f"the program cannot be run ({'a number gets more digits than can be written' if long else what})"
     return {"error": {"kind": "ProgramError", "reason": reason, "file": file}}
 
 

@@ -161,6 +161,10 @@ class TypeIndex:
         """What is matched says all of it."""
         return posed
 
+    def pictured(self, posed: Hypothesis, others: Mapping[str, Hypothesis], data: Data) -> Hypothesis:  # noqa: ARG002 - its protocol's
+        """No photo is asked."""
+        return posed
+
     def significance(self, posed: Hypothesis) -> float:
         """By places alone the best of so many tries is good by luck: as many as there are pairs of data.
 

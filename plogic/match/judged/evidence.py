@@ -255,8 +255,9 @@ def as_fitted(posed: Hypothesis, data: Data, kb: KnowledgeBase, hidden: Mask | N
     Of expected matches such that Π (h·N + f − h·f) / f is that at the best pose times the share.
 
     Each match gives up in proportion to how much better it is than a miss, ln(1 + h·N / (f − h·f)); where that is less
-    in all than the pose owes, the matches count as misses. What a photo's pixels tell is told with them too: the
-    program has no factor of its own for it (formalism §9.10). ``hidden`` (F,) are the features that accepted opaque
+    in all than the pose owes, the matches count as misses. What a photo's pixels tell is no part of it, for the program
+    has a factor of its own for that (formalism §9.10); but where they were asked, what is missed costs no more than
+    what is found brings (``SUREST_MISSED``). ``hidden`` (F,) are the features that accepted opaque
     objects hide: not expected.
     """
     hit, near = as_counted(posed, data, kb, hidden)
@@ -267,7 +268,7 @@ def as_fitted(posed: Hypothesis, data: Data, kb: KnowledgeBase, hidden: Mask | N
         better = np.log1p(h * near[found] / missed)
         more = _owed(posed, found, data, kb)
         if posed.pixels is not None:
-            more += _by_pixels(posed, evidence(posed.told(pixels=None), data, kb, hidden).surplus)
+            more += _waived(evidence(posed.told(pixels=None), data, kb, hidden).surplus)
         kept = max(LEAST, 1.0 + more / max(float(better.sum()), LEAST))
         near[found] = np.expm1(kept * better) * missed / h
     return hit, near
@@ -278,12 +279,17 @@ SUREST_MISSED = 0.0
 
 
 def _by_pixels(posed: Hypothesis, surplus: float) -> float:
-    """What pixels add to a ``surplus`` of evidence: where they were looked at they tell what else is missed.
+    """What pixels add to a ``surplus`` of evidence."""
+    return 0.0 if posed.pixels is None else posed.pixels + _waived(surplus)
+
+
+def _waived(surplus: float) -> float:
+    """What of a ``surplus`` of evidence is not counted where pixels were looked at: they tell what else is missed.
 
     Features that are expected and not found cost no more than those that are found bring: print that is there and was
     not detected is seen in the pixels, and print that is not there as well.
     """
-    return 0.0 if posed.pixels is None else posed.pixels + max(0.0, SUREST_MISSED - surplus)
+    return max(0.0, SUREST_MISSED - surplus)
 
 
 def _owed(posed: Hypothesis, found: Mask, data: Data, kb: KnowledgeBase) -> float:

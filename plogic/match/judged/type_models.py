@@ -145,6 +145,10 @@ class TypeModel(Protocol):
         """A hypothesis told anew what only the picture says of it, where these others may hide it."""
         return posed
 
+    def pictured(self, posed: Hypothesis, others: Mapping[str, Hypothesis], data: Data) -> Hypothesis:  # noqa: ARG002 - a kind may have more to say
+        """A hypothesis told what the photo says of it by which of these others, by id, are present."""
+        return posed
+
     def significance(self, posed: Hypothesis) -> float:
         """The log-likelihood ratio that a hypothesis must exceed, beyond what any pose has."""
         ...

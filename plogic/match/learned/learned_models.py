@@ -29,7 +29,7 @@ from plogic.match.judged.type_models import SURE, Found, Given, Ranks, Request, 
 from plogic.match.learned.agreement import Lobes, lobes_of
 from plogic.match.learned.keypoints import Lexicon, lexicon_of
 from plogic.match.learned.learned_match import ROBUST, matched, pose_of, precision
-from plogic.match.learned.learned_pixels import hiding, looked_beside
+from plogic.match.learned.learned_pixels import hiding, looked_beside, pictured
 from plogic.match.learned.learned_poses import NOBODY, REFINED, Voted, generate, resting, voted
 from plogic.measures.distinctiveness import Kinds, kinds_of, rank_of_kinds
 
@@ -179,6 +179,10 @@ class LearnedIndex:
     def beside(self, posed: Hypothesis, others: Sequence[Hypothesis], data: Data) -> Hypothesis:
         """A hypothesis told anew what its pixels say, where these others may hide it."""
         return looked_beside(self, posed, others, data)
+
+    def pictured(self, posed: Hypothesis, others: Mapping[str, Hypothesis], data: Data) -> Hypothesis:
+        """A hypothesis told what its pixels say by which of these others, by id, are present; and how sure its pose."""
+        return pictured(self, posed, others, data)
 
     def significance(self, posed: Hypothesis) -> float:  # noqa: ARG002 - of other kinds it depends on the hypothesis
         """All poses of a learned type are counted in its evidence."""

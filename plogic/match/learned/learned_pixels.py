@@ -4,17 +4,20 @@ A pixel counts once, for what stands in front: a hypothesis behind an accepted o
 
 * ``by_pixels``: of the poses of a search those that the pixels speak for, as hypotheses
 * ``looked_beside``: a hypothesis told anew what its pixels say, beside others
+* ``pictured``: told what they say by who of others is present, and how surely its pose is right
 """
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from typing import TYPE_CHECKING, TypeAlias
 
 import numpy as np
 
 from geometry.frames import transform_points
 from geometry.visibility.rays import RayMesh
+from plogic.facts.pixel_table import MOST_BEFORE, PixelTable
 from plogic.match.judged.evidence import evidence
 from plogic.match.judged.expectation import FEWEST
 from plogic.match.judged.rivals import apart_on_screen, distinct, overlap, same_place
@@ -107,3 +110,57 @@ def looked_beside(index: LearnedIndex, posed: Hypothesis, others: Sequence[Hypot
 
     crop = crop_of(data.photo, index.paint, posed.camera_from_object, FINE, before)
     return posed if crop is None else posed.told(pixels=fit_of(crop, index.paint, posed.camera_from_object).odds)
+
+
+def pictured(index: LearnedIndex, posed: Hypothesis, others: Mapping[str, Hypothesis], data: Data) -> Hypothesis:
+    """The hypothesis with its ``pixel_table`` and ``pose_probability``, where its pixels were asked.
+
+    ``others``, by id, are those that can be present beside it; what of them is accepted may hide some of it.
+    """
+    table = _looked_among(index, posed, others, data)
+    if table is None:
+        return posed
+    from sensing.pixels.sureness import sureness
+
+    assert data.photo is not None  # noqa: S101 - else there were no table
+    assert index.paint is not None  # noqa: S101
+    before = hiding([others[name] for name in table.names if others[name].status == "accepted"])
+    symmetries = index.object_type.symmetries
+    sure = sureness(data.photo, index.paint, posed.camera_from_object, symmetries, before)
+    return posed.told(pixel_table=table, pose_probability=sure)
+
+
+def _looked_among(
+    index: LearnedIndex, posed: Hypothesis, others: Mapping[str, Hypothesis], data: Data
+) -> PixelTable | None:
+    """What its pixels say by who of others, by id, is present; None where they were not asked.
+
+    Those count that are before some of it; where there are none, what it was told already holds.
+    """
+    if posed.pixels is None or data.photo is None or index.paint is None:
+        return None
+    alone = PixelTable((), (posed.pixels + 0.0,))
+    near = {name: other for name, other in others.items() if not apart_on_screen(posed, other, data.camera.f, 0.0)}
+    before = {name: body for name, other in near.items() for body in hiding([other])}
+    from sensing.pixels.crop import clear, crop_of, depth_of
+    from sensing.pixels.energy import fit_of
+    from sensing.pixels.lines import SLACK
+    from sensing.pixels.refine import FINE
+
+    pose, paint = posed.camera_from_object, index.paint
+    crop = crop_of(data.photo, paint, pose, FINE) if before else None
+    if crop is None:
+        return alone
+    drawn, slack = paint.drawn(pose, crop.K, crop.shape), SLACK * paint.diameter
+    masked = {name: replace(crop, before=depth_of(*body, crop.K, crop.shape)) for name, body in before.items()}
+    hides = {name: int((drawn.mask & ~clear(some, drawn, slack)).sum()) for name, some in masked.items()}
+    names = [name for name in sorted(hides, key=lambda name: -hides[name]) if hides[name]]
+    if not names:
+        return alone
+    some = names[:MOST_BEFORE]
+    odds = []
+    for row in range(2 ** len(some)):
+        present = [masked[name].before for i, name in enumerate(some) if row >> i & 1]
+        beside = replace(crop, before=np.min([crop.before, *present], axis=0))
+        odds.append(fit_of(beside, paint, pose).odds + 0.0)
+    return PixelTable(tuple(some), tuple(odds), tuple(names[MOST_BEFORE:]))

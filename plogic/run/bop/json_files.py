@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from geometry import digits
 from geometry.errors import Keys, Mistake
 from geometry.files.documents import Document
 from geometry.files.documents import read_json as document_of
@@ -99,8 +100,7 @@ def numbered(path: Path) -> dict[int, Any]:
 
 def number_of(text: str) -> int | None:
     """The whole number below ``HIGHEST`` that a text is, zeros before it or not; None for any other text."""
-    plain = text.isascii() and text.isdigit() and len(text.lstrip("0")) < len(str(HIGHEST))
-    return int(text) if plain else None
+    return digits.whole(text, HIGHEST - 1)
 
 
 def entry_of(entries: Mapping[int, Any], number: int, path: Path) -> Any:  # noqa: ANN401 - parsed JSON

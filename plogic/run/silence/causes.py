@@ -14,6 +14,7 @@ from kb.shown.cautions import of_type, unseen_told
 from kb.shown.seen_from import unseen_features
 from plogic.cycle.judging import FEWEST
 from plogic.facts.document import Interpretation, RejectedRow
+from plogic.facts.interpretation import found_and_usual
 from plogic.measures.distinctiveness import distinctiveness, instance_counts
 from plogic.run.silence.beforehand import findable, listed
 from plogic.run.silence.otherwise import CONVINCING, camera_doubt, causes
@@ -134,6 +135,8 @@ def best_told(document: Interpretation, name: str) -> str:
     found, expected = counted(rows[0])
     away = rows[0]["T_camera_object"][2][3]
     what = f"its best pose, {away:.2g} m away, has {found} of {expected} expected features detected"
+    usual = found_and_usual(rows[0]["features"])
+    what += "" if usual is None else f", where {usual[2]} were when it was learned"
     return f"{name}: {what}, but: {rows[0].get('why', '')}"
 
 

@@ -14,7 +14,7 @@ from plogic.facts.interpretation import text_of
 from plogic.run.batch.frame_lines import DONE, UNFINISHED, Lines
 from plogic.run.batch.frames import Frame, Settings
 from plogic.run.cameras import Shot, shot_with
-from plogic.run.document import accepted_in
+from plogic.run.document import placed_in
 from plogic.run.perceive import perceiver_of
 from plogic.run.sources import detected, kb_of
 from plogic.run.video.video import frame_name
@@ -31,10 +31,10 @@ if TYPE_CHECKING:
 
 
 class Seen(NamedTuple):
-    """A frame's ``line``, with its end, and what it took ``seconds`` to find: the accepted objects, or an ``error``.
+    """A frame's ``line``, with its end, and what it took ``seconds`` to find: the accepted objects and where they are.
 
-    ``picture``: PNG of what was found, if any is wanted; ``notes``: what is doubtful of the camera; ``doubt``: that the
-    objects contradict it.
+    ``error``: why there is none. ``picture``: PNG of what was found, if any is wanted; ``notes``: what is doubtful of
+    the camera; ``doubt``: that the objects contradict it.
     """
 
     status: str
@@ -117,7 +117,7 @@ class Watcher:
         picture = None if self._draw is None else self._draw(document, moment.pixels)
         notes = (*shot.notes, *moment.notes)
         doubt = document["camera_doubt"]["why"] if "camera_doubt" in document else ""
-        return Seen(status, line, accepted_in(document), notes=notes, doubt=doubt, picture=picture)
+        return Seen(status, line, placed_in(document), notes=notes, doubt=doubt, picture=picture)
 
     def _shot(self, pixels: "NDArray[np.uint8]", name: str) -> Shot:
         """A frame with the camera, which is read once for all frames of a size."""

@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING, Any
 from plogic.base.errors import LimitError, OutsideError
 from plogic.facts.situation import Situation
 from plogic.logic.served.engine import Limits, ask, request_of
-from plogic.scene.asking.query import Subject, subject_text
+from plogic.scene.asking.query import Subject, answers, subject_text
 
 if TYPE_CHECKING:
     from plogic.scene.asking.live import LiveScene
@@ -88,7 +88,8 @@ class Account:
     ``why``: explanations; ``why_not``: explanations of the negated goal, both ranked by P(choices | evidence), and none
     that contradicts the evidence; ``misses``: of an improbable goal (below ½), what lacked least first; ``failure``: of
     a goal that no choices entail, the condition that fails; ``notes``: what names would be right, and what was left
-    out; ``summary``: of the presence of an interpretation's hypothesis, what its features say.
+    out; ``summary``: of the presence of an interpretation's hypothesis, what its features say; of a relation of
+    several, what geometry says and who must be present.
     """
 
     goal: str
@@ -152,19 +153,18 @@ def _explained(subject: Subject, goal: str, given: Sequence[str], most: int, lim
 
 
 def present(subject: Subject, goal: str, *, given: Sequence[str] = ()) -> Account | None:
-    """Of ``present(h)`` in a scene.
+    """Of ``present(h)`` in a scene, or of a relation of its hypotheses; else None.
 
-    P(h | evidence) and what h's features say in the most probable world that holds it; else None.
-
-    No program is run: this is fast for any number of hypotheses. Raises InconsistentError, ProgramError, and
-    WidthError, as the worlds do.
+    P(h | evidence) and what h's features say in the most probable world that holds it; of a relation what geometry says
+    and who must be present. Of ``present(h)`` no program is run: this is fast for any number of hypotheses. Raises
+    InconsistentError, ProgramError, and WidthError, as the worlds do.
     """
     wanted = goal.strip().rstrip(". ")
     if not isinstance(subject, Situation):
         return None
     name = next((h.id for h in subject.hypotheses if wanted in (f"present({h.id})", f"present('{h.id}')")), None)
     if name is None:
-        return None
+        return _related(subject, goal, given)
     from plogic.scene.asking.live import LiveScene
     from plogic.scene.asking.presence import presence
     from plogic.scene.asking.shortfall import shortfall
@@ -183,6 +183,19 @@ def present(subject: Subject, goal: str, *, given: Sequence[str] = ()) -> Accoun
     world = scene.worlds(1).worlds[0].present
     lacks = shortfall(subject, name, world, account.probability, given)
     return replace(account, summary=(*presence(subject, name, world), *lacks, *_constrained(scene, name)))
+
+
+def _related(situation: Situation, goal: str, given: Sequence[str]) -> Account | None:
+    from plogic.scene.asking.related import open_relation, related
+
+    asked = open_relation(situation, goal)
+    answered = answers(situation, goal, given=given) if asked else []
+    first = answered[0].goal if answered else goal
+    found = related(situation, first, given)
+    if found is None:
+        return None
+    lines = (f"the most probable answer, {first}:", *found[1]) if asked else found[1]
+    return Account(goal, found[0], (), (), None, answers=max(len(answered), 1), summary=lines)
 
 
 def _constrained(scene: "LiveScene", name: str) -> list[str]:

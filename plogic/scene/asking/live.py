@@ -24,6 +24,7 @@ from plogic.facts.situation import Situation
 from plogic.inference.graph import Beliefs, FactorGraph
 from plogic.inference.marginals import Remembered
 from plogic.logic.served.engine import Answer, Limits, in_order
+from plogic.scene.asking.how_many import count_asked, how_many
 from plogic.scene.asking.relevant import restricted
 from plogic.scene.factors.asked_formulas import Asked, literals
 from plogic.scene.factors.goal_meaning import Meaning, meaning
@@ -126,6 +127,9 @@ class LiveScene:
 
     def answers(self, goal: str = "present(H)", *, seconds: float | None = None) -> list[Answer]:
         """P(goal | evidence), every answer, most probable first, ties by text."""
+        count = count_asked(self.situation, goal)
+        if count is not None:
+            return how_many(count, self._posed(seconds=seconds).scene, _solver(self._memory, seconds))
         meant = self._meaning(goal, ())
         scene, asked = self._posed(meant, seconds=seconds)
         return answers_of(meant, scene, asked)[0]
@@ -217,9 +221,13 @@ def scene_answers(
     With ``seconds`` (which the grounding, under ``limits``, does not count against) the answers may be intervals.
     """
     check(situation)
-    meant = meaning(situation, goals, given, limits=limits)
-    scene, asked = posed(situation, [meant], _solver(Remembered(), seconds))
-    return answers_of(meant, scene, asked)
+    counts = [count_asked(situation, goal) for goal in goals]
+    others = [goal for goal, count in zip(goals, counts, strict=True) if count is None]
+    meant = meaning(situation, others, given, limits=limits)
+    solve = _solver(Remembered(), seconds)
+    scene, asked = posed(situation, [meant], solve)
+    found = iter(answers_of(meant, scene, asked) if others else ())
+    return [next(found) if count is None else how_many(count, scene, solve) for count in counts]
 
 
 def without(situation: Situation, name: str) -> Situation:
@@ -229,7 +237,8 @@ def without(situation: Situation, name: str) -> Situation:
         part,
         hypotheses=tuple(
             replace(
-                h, features=tuple(replace(f, hidden_by=tuple(g for g in f.hidden_by if g != name)) for f in h.features)
+                h,
+                features=tuple(replace(f, hidden_by=tuple(g for g in f.hidden_by if g != name)) for f in h.features),
             )
             for h in part.hypotheses
         ),

@@ -30,13 +30,14 @@ from plogic.scene.readings.world_weights import (
     group_shares,
     miss_weight,
     p_ev,
+    pixel_odds,
     unmatched,
 )
 
 
 @dataclass(frozen=True)
 class Contribution:
-    """``datum``: an appearance, or a feature that has none.
+    """``datum``: an appearance, or a feature that has none, or a hypothesis, of which the photo's pixels speak.
 
     ``llr``: ln P(datum | hypothesis) − ln P(datum | without it).
     """
@@ -69,6 +70,7 @@ def _weights(scene: Scene, present: dict[str, Mask]) -> Iterator[tuple[str, Floa
     for appearance in scene.claimants:
         yield appearance, appearance_weight(scene, appearance, present)
     for h in scene.situation.hypotheses:
+        yield h.id, np.exp(pixel_odds(h, present))
         for f in unmatched(h):
             yield f"{h.id}/{f.id}", miss_weight(scene, h, f, present)
 
@@ -102,7 +104,7 @@ def presence(situation: Situation, name: str, world: Sequence[str]) -> tuple[str
     told = _score(view) if situation.reading == "score" else _posterior(view)
     beside = ", ".join(w for w in world if w != name) or "no other"
     where = f"{name} is a {view.h.type}; in the most probable world that holds it, beside {beside}:"
-    return (where, *told, *_pixels(view), *_held(view), *_excluded(view))
+    return (where, *told, *_usual(view), *_pixels(view), *_sure(view), *_held(view), *_excluded(view))
 
 
 def _score(view: View) -> Iterator[str]:
@@ -123,17 +125,37 @@ def _score(view: View) -> Iterator[str]:
     yield from _hiding(view, seen)
 
 
+def _usual(view: View) -> Iterator[str]:
+    """How many features of a learned type are found, beside how many were when it was learned."""
+    rows = [f for f in view.h.features if f.learned_rate is not None and f.stands_for == 1 and f.in_image]
+    seen = [(f, cells(view.scene, view.h, f, view.present)) for f in rows]
+    expected = [(f, bool(cell.detected[0])) for f, cell in seen if cell.expected[0]]
+    if expected:
+        usual = round(sum(f.learned_rate or 0.0 for f, _ in expected))
+        yield (
+            f"  to compare: {sum(found for _, found in expected)} of {len(expected)} expected features are found; when its"
+            f" type was learned, {usual} of them were found from there: most visual words come and go"
+        )
+
+
 def _pixels(view: View) -> Iterator[str]:
-    """What the photo's pixels say, where they were asked (§9.10)."""
-    fit = view.h.pixels
+    """What the photo's pixels say, where they were asked (§9.10): in the posterior, of those that nobody hides here."""
+    if view.scene.situation.reading == "score":
+        fit, where = view.h.pixels, ", it is accepted by that, P(ev) is not"
+    else:
+        table = view.h.pixel_table
+        fit = None if table is None else float(table.told(view.present)[0])
+        before = [name for name in table.occluders if name in view.world] if table is not None else []
+        where = f", where {listed(before)} hides some of it" if before else ""
     if fit is not None:
         mark, how = ("for", "is") if fit > 0.0 else ("against", "is not")
-        where = (
-            "told with what is detected"
-            if view.scene.situation.reading == "posterior"
-            else "it is accepted by that, P(ev) is not"
-        )
-        yield f"  {mark}: drawn at its pose it {how} what the photo shows, by outline, colours and print: {fit:+.3g} in log-odds, {where}"
+        yield f"  {mark}: drawn at its pose it {how} what the photo shows, by outline, colours and print: {fit:+.3g} in log-odds{where}"
+
+
+def _sure(view: View) -> Iterator[str]:
+    """How surely its pose is right, where a photo was asked."""
+    if view.h.pose_probability is not None:
+        yield f"  if it is there, its pose is within a tenth of its diameter of the true one (ADD) with probability {view.h.pose_probability:.3f}"
 
 
 def _by_type(features: list[FeatureFact], *, name_all: bool) -> str:
@@ -174,10 +196,12 @@ def _hiding(view: View, features: Iterable[FeatureFact]) -> Iterator[str]:
 
 def _posterior(view: View) -> Iterator[str]:
     """Log-likelihood ratios: this world against the same without the hypothesis."""
-    found = contributions(view.scene.situation, view.h.id, view.world)
+    told = contributions(view.scene.situation, view.h.id, view.world)
     share = next(p for shares in group_shares(view.scene).values() for name, p in shares if name == view.h.id)
-    total = float(np.sum([c.llr for c in found]))
-    yield f"  prior {share:.4g}; what is detected and what is not changes its log-odds against this world without it by {total:+.4g}"
+    total = float(np.sum([c.llr for c in told]))
+    found = [c for c in told if c.datum != view.h.id]  # its own pixels have a line of their own
+    what = "what is detected and what is not" + (", and the photo's pixels," if len(found) < len(told) else "")
+    yield f"  prior {share:.4g}; {what} changes its log-odds against this world without it by {total:+.4g}"
     for mark, side in (("for", [c for c in found if c.llr > 0]), ("against", [c for c in found if c.llr < 0])):
         yield from (f"  {mark}: {_datum(view, c)}: {c.llr:+.3g}" for c in side[:LISTED])
         if len(side) > LISTED:
@@ -186,6 +210,8 @@ def _posterior(view: View) -> Iterator[str]:
 
 def _datum(view: View, c: Contribution) -> str:
     """An appearance with the feature that it is matched to, or a place where one should be."""
+    if c.datum in view.scene.by_id:
+        return f"it hides some of {c.datum}'s pixels, which are told without them"
     appearance = next((a for a in view.scene.situation.appearances if a.id == c.datum), None)
     if appearance is not None:
         owner = next((f.id for f in view.h.features if f.match == c.datum), None)

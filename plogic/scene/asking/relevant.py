@@ -1,8 +1,8 @@
 """The part of a situation that a goal is about: the hypotheses that it names, and all that hang together with them.
 
-Hypotheses hang together if one can hide a feature of the other, if they share an appearance, are rivals, exclude each
-other, compete for one instance or carry something together. Worlds are products over such parts, so that probabilities
-and explanations of a goal about one part are those of the part alone.
+Hypotheses hang together if one can hide a feature of the other or some of its pixels, if they share an appearance, are
+rivals, exclude each other, compete for one instance or carry something together. Worlds are products over such parts,
+so that probabilities and explanations of a goal about one part are those of the part alone.
 """
 
 from collections.abc import Iterator, Sequence
@@ -98,6 +98,8 @@ def _together(situation: Situation, named: set[str]) -> set[str]:
     for h in situation.hypotheses:
         links.add_edge(h.id, f"group {h.group}")
         links.add_edges_from((h.id, other) for f in h.features for other in f.hidden_by)
+        if h.pixel_table is not None and situation.reading == "posterior":
+            links.add_edges_from((h.id, other) for other in h.pixel_table.occluders)
         links.add_edges_from((h.id, f"datum {f.match}") for f in h.features if f.match is not None)
     start = {name if name in ids else f"datum {name}" for name in named}
     return set().union(*[part for part in nx.connected_components(links) if not start.isdisjoint(part)]) & ids
@@ -117,7 +119,11 @@ def restricted(situation: Situation, kept: set[str]) -> Situation:
 
     return replace(
         situation,
-        hypotheses=tuple(h for h in situation.hypotheses if h.id in kept),
+        hypotheses=tuple(
+            h if h.pixel_table is None else h.told(pixel_table=h.pixel_table.among(kept))
+            for h in situation.hypotheses
+            if h.id in kept
+        ),
         overlaps=inside(situation.overlaps),
         rivals=inside(situation.rivals),
         exclusive=inside(situation.exclusive),

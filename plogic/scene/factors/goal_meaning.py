@@ -28,7 +28,7 @@ from plogic.logic.safety.atoms import Names, own_atom, quoted
 from plogic.logic.safety.author import observes
 from plogic.logic.served.engine import Limits, Text, ask, request_of
 from plogic.scene.text import fact_layers as facts
-from plogic.scene.text.choices import block_facts
+from plogic.scene.text.choices import block_facts, pixel_facts
 from plogic.scene.text.evidence_layer import evidence_choices, evidence_facts, evidence_rules
 from plogic.scene.text.layout import Writer, possible_causes
 from plogic.scene.text.measures import cell_facts, measures
@@ -53,7 +53,7 @@ if TYPE_CHECKING:
 
 Key = int | None
 
-OUTSIDE = ("hit/2", "pick/2", "luck/2", "ev_holds/2", "joint/3", "agrees/1", "excused/1", "drawn/1")
+OUTSIDE = ("hit/2", "pick/2", "luck/2", "ev_holds/2", "joint/3", "agrees/1", "excused/1", "drawn/1", "pixels_fit/3")
 """Choices that the factor graph has summed out, and what is said in terms of them."""
 LOOKING = (
     *(f"subquery/{n}" for n in (2, 3, 5)), *(f"subquery_in_scope/{n}" for n in (3, 4, 6)), "possible/1", "clause/2", "clause/3",
@@ -113,6 +113,7 @@ def _score(w: Writer) -> Iterator[str]:
 
 
 def _posterior(w: Writer) -> Iterator[str]:
+    yield from pixel_facts(w)
     for appearance in w.scene.claimants:
         yield w.fact("claimed", appearance)
         yield from (f"0.5::{chosen}." for _, chosen in possible_causes(w, appearance))

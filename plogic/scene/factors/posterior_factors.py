@@ -193,6 +193,7 @@ def add_posterior(tables: Tables, cast: Cast, explicit: Collection[str] = ()) ->
     appearance.
     """
     _add_priors(tables, cast)
+    _add_pixels(tables, cast)
     claimed = _add_features(tables, cast)
     clutter = {a.id: a.clutter for a in cast.situation.appearances}
     causes: dict[str, Cause] = {}
@@ -213,6 +214,15 @@ def _add_priors(tables: Tables, cast: Cast) -> None:
     for v, (_, *members) in enumerate(variable.states for variable in cast.variables):
         shares = [bounded(each[name or ""] / len(members)) for name in members]
         tables.unary[v] = logs_of([1.0 - sum(shares), *shares])
+
+
+def _add_pixels(tables: Tables, cast: Cast) -> None:
+    """e^L of each hypothesis whose pixels were asked, where it is present, by who is present before it (§9.10)."""
+    for h in cast.situation.hypotheses:
+        if h.pixel_table is not None:
+            names = h.id, *h.pixel_table.occluders
+            literals = [(cast.place[name][0], (cast.place[name][1],)) for name in names]
+            tables.add_bits(literals, [odds for told in h.pixel_table.odds for odds in (0.0, told)])
 
 
 def _add_features(tables: Tables, cast: Cast) -> dict[str, list[Claim]]:

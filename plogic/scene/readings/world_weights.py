@@ -178,9 +178,14 @@ def causes_of(scene: Scene, appearance: str) -> Shares:
 
 
 def log_scale(scene: Scene) -> float:
-    """Ln of what the program text weighs less than densities do (posterior): alternatives of causes are normalised."""
-    claimed = scene.claimants if scene.situation.reading == "posterior" else {}
-    return math.fsum(math.log(causes_of(scene, appearance).scale) for appearance in claimed)
+    """Ln of what the program text weighs less than densities do (posterior).
+
+    Alternatives of causes are normalised, and pixels are told over the greatest that they could say.
+    """
+    if scene.situation.reading == "score":
+        return 0.0
+    most = [max(0.0, *h.pixel_table.odds) for h in scene.situation.hypotheses if h.pixel_table is not None]
+    return math.fsum([*most, *(math.log(causes_of(scene, appearance).scale) for appearance in scene.claimants)])
 
 
 def appearance_weight(scene: Scene, appearance: str, present: Present) -> Floats:
@@ -197,6 +202,12 @@ def appearance_weight(scene: Scene, appearance: str, present: Present) -> Floats
 def miss_weight(scene: Scene, h: Hypothesis, f: FeatureFact, present: Present) -> Floats:
     """1 − h_F where the feature is expected, (M,); it has no appearance."""
     return 1.0 - _hit(scene, h, f, present)
+
+
+def pixel_odds(h: Hypothesis, present: Present) -> Floats:
+    """What the photo's pixels say of ``h``, log-odds, in every world, (M,): 0 where it is absent (§9.10)."""
+    table = h.pixel_table
+    return np.zeros(len(present[h.id])) if table is None else np.where(present[h.id], table.told(present), 0.0)
 
 
 def unmatched(h: Hypothesis) -> Iterable[FeatureFact]:

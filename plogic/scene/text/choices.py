@@ -111,6 +111,22 @@ def _posterior(w: Writer) -> Iterator[str]:
         heads = possible_causes(w, appearance)
         nothing = f"% {w.names.atom(appearance)}: every density is 0: nothing can cause it."
         yield disjunction(heads) if heads else nothing
+    if any(h.pixel_table is not None for h in w.scene.situation.hypotheses):
+        yield "% The pixels are as likely as they tell, over the most that they could tell, in N steps that ProbLog can read."
+        yield "P::pixels_fit(H, C, K) :- pixels_told(H, C, L), pixels_most(H, M), pixel_steps(H, N), between(1, N, K), P is exp((L - M) / N)."
+
+
+def pixel_facts(w: Writer) -> Iterator[str]:
+    """``pixel_occluders(h1, [h2]). pixels(h1, [], 8.3). pixels(h1, [h2], 1.2).``; nothing where no photo was asked."""
+    told = [(h, h.pixel_table) for h in w.scene.situation.hypotheses if h.pixel_table is not None]
+    if told:
+        yield "% What the photo's pixels say of a hypothesis, log-odds, by who is present of those before it (§9.10)."
+    for h, table in told:
+        me = w.names.atom(h.id)
+        if table.left_out:
+            yield f"% {me}: not looked at before it: {w.atoms(*table.left_out)}"
+        yield f"pixel_occluders({me}, {w.list(table.occluders)})."
+        yield from (f"pixels({me}, {w.list(context)}, {number(odds)})." for context, odds in table.rows())
 
 
 def rates(w: Writer) -> Iterator[str]:
@@ -135,3 +151,5 @@ def evidence_of_data(w: Writer) -> Iterator[str]:
     yield from (f"evidence(explained({w.names.atom(appearance)}))." for appearance in w.scene.claimants)
     for h in w.scene.situation.hypotheses:
         yield from (f"evidence(\\+ missed({w.feature(h, f)}))." for f in unmatched(h))
+    told = (h.id for h in w.scene.situation.hypotheses if h.pixel_table is not None)
+    yield from (f"evidence(drawn_right({w.names.atom(name)}))." for name in told)

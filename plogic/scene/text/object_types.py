@@ -47,6 +47,16 @@ def object_types(w: Writer) -> Iterator[str]:
     for h in w.scene.situation.hypotheses:
         yield f"{w.fact('hypothesis', h.id, h.type)} {w.fact('instance', h.id, h.group)}"
         yield from _own(w, h.id, _said(h.parts, [(f.id, f.type) for f in h.features], opaque=h.opaque), types[h.type])
+    yield from _lists(w, types)
+
+
+def _lists(w: Writer, types: Iterable[str]) -> Iterator[str]:
+    """All hypotheses, and those of each type, as lists that are counted along."""
+    everyone = w.scene.situation.hypotheses
+    yield f"hypotheses({w.list(h.id for h in everyone)})."
+    yield from (
+        f"hypotheses_of({w.names.atom(name)}, {w.list(h.id for h in everyone if h.type == name)})." for name in types
+    )
 
 
 def _types(w: Writer) -> dict[str, Said]:

@@ -18,7 +18,7 @@ from plogic.logic.served.engine import Text
 from plogic.scene.readings.unfinished import notice
 from plogic.scene.readings.world_weights import lifted_smoothing
 from plogic.scene.text import fact_layers as facts
-from plogic.scene.text.choices import choices, evidence_of_data, rates
+from plogic.scene.text.choices import choices, evidence_of_data, pixel_facts, rates
 from plogic.scene.text.evidence_layer import evidence_choices, evidence_facts, evidence_rules
 from plogic.scene.text.layout import Writer, number, title
 from plogic.scene.text.measures import cell_facts, measures
@@ -96,7 +96,7 @@ def _told(w: Writer) -> Iterator[str]:
     yield from object_types(w)
     yield from ("", title(2, "The measures of Σo, and what geometry computed: poses, visibility, matches, outlines"))
     yield from measures(w)
-    yield from [f"smoothing({number(lifted_smoothing(w.scene))})."] if is_score else rates(w)
+    yield from [f"smoothing({number(lifted_smoothing(w.scene))})."] if is_score else (*rates(w), *pixel_facts(w))
     yield from facts.geometry(w)
     yield from cell_facts(w)
     yield from evidence_facts(w)

@@ -13,7 +13,7 @@ from plogic.facts.vocabulary import VOCABULARY, entries
 
 FACTS = (
     "object_type/1", "type_opaque/1", "type_part/2", "type_feature/3", "type_look/4", "facet/2", "face/2", "object_part/1",
-    "hypothesis/2", "instance/2", "in_image/2", "in_lobe/2", "self_hidden/2",
+    "hypothesis/2", "instance/2", "hypotheses/1", "hypotheses_of/2", "in_image/2", "in_lobe/2", "self_hidden/2",
     "behind_surface/3", "match/3", "preferred/3", "datum/2", "overlap/2", "rival_pair/2", "exclusive/2", "outline_relation/3",
     "outline_roc/3", "part_relation/3", "part_roc/3", "at/4", "distance/2", "body_middle/4", "body_nearest/2", "up_direction/3", "inside_image/1",
     "cut_by_image/1", "body_gap/3", "body_over/2", "stands_on/2", "stands_on_both/3", "weighs/1", "open_foot/3", "body_rests/2", "dv/2",
@@ -24,6 +24,11 @@ ONLY = {
     "score": ("smoothing/1", "alone/1", "pick/2", "luck/2", "joint/3"),
     "posterior": ("present/1", "prior/2", "hit_rate/2", "own_rate/3", "hit/2", "chosen/2"),
 }
+
+PHOTO = "pixel_occluders/2", "pixels/3", "pixels_fit/3"
+"""Predicates of facts, and of a choice, of programs in which a photo's pixels are told."""
+LONGEST = 15.0
+"""Log-odds that one choice of pixels tells: e to less than -18 is below ``LEAST``."""
 
 OBJECT_TYPES = r"""
 % What is said of a hypothesis follows from its type (§2).
@@ -197,6 +202,22 @@ explained(A) :- chosen(A, noise), \+ any_hit(A).
 missed(H, F) :- present(H), in_view(H, F), hit(H, F).
 """
 
+PIXELS = r"""
+% §9.10: a hypothesis, present in a context or absent, is as likely as its pixels are: e^L, where it is absent 1.
+drawn_right(H) :- pixels_case(H, C), pixel_steps(H, N), pixels_fit_all(H, C, N).
+pixels_case(H, absent) :- pixel_occluders(H, _), \+ present(H).
+pixels_case(H, C) :- pixel_occluders(H, Gs), present(H), those_present(Gs, C).
+pixels_fit_all(_, _, 0).
+pixels_fit_all(H, C, N) :- N > 0, pixels_fit(H, C, N), M is N - 1, pixels_fit_all(H, C, M).
+pixels_told(H, absent, 0.0) :- pixel_occluders(H, _).
+pixels_told(H, C, L) :- pixels(H, C, L).
+pixels_most(H, L) :- pixels_told(H, _, L), \+ pixels_beyond(H, L).
+pixels_beyond(H, L) :- pixels_told(H, _, M), M > L.
+pixels_least(H, L) :- pixels_told(H, _, L), \+ pixels_below(H, L).
+pixels_below(H, L) :- pixels_told(H, _, M), M < L.
+pixel_steps(H, N) :- pixels_most(H, M), pixels_least(H, L), N is max(1, ceiling((M - L) / LONGEST)).
+""".replace("LONGEST", repr(LONGEST))
+
 VIOLATED = r"""
 % A4: distinct maximal objects are discrete.
 violated(shares_volume(X, Y)) :- overlap(X, Y), present(X), present(Y).
@@ -222,7 +243,8 @@ def rules(situation: Situation, *, cyclic: bool) -> list[str]:
         decide = DROP if reconsider == "drop" else LINEAR + (AGREES_SMOOTHED if situation.smoothing > 0 else AGREES)
         blocks += [CHANCE, SUPPORTED, decide, *([JOINT] if cyclic else []), VIOLATED, EXCLUSIVE]
     else:
-        blocks += [RATES, POSTERIOR, VIOLATED]
+        told = any(h.pixel_table is not None for h in situation.hypotheses)
+        blocks += [RATES, POSTERIOR, *([PIXELS] if told else []), VIOLATED]
     if situation.gravity is not None:
         blocks.append(FLOATS)
     return [block.strip("\n") for block in blocks]
@@ -258,12 +280,13 @@ NESTED = re.compile(r"\([^()]*\)|\[[^][]*\]")
 def defined() -> frozenset[str]:
     """Every signature that programs define, in either reading: nobody else may add clauses to it."""
     texts = [
-        OBJECT_TYPES, COMMON, FOUND_REASSIGN, EV, BOUNDED, CHANCE, SUPPORTED, LINEAR, AGREES_SMOOTHED, DROP, JOINT, RATES, POSTERIOR, VIOLATED,
+        OBJECT_TYPES, COMMON, FOUND_REASSIGN, EV, BOUNDED, CHANCE, SUPPORTED, LINEAR, AGREES_SMOOTHED, DROP, JOINT, RATES, POSTERIOR, PIXELS,
+        VIOLATED,
         *(e.clause for e in VOCABULARY),
     ]  # fmt: skip
     ruled = {
         f"{name}/{NESTED.sub('', NESTED.sub('', arguments)).count(',') + 1}"
         for name, arguments in HEAD.findall("\n".join(texts))
     }
-    told = {*FACTS, *ONLY["score"], *ONLY["posterior"], "block/3", "ev_holds/2", "excused/1", "unposed/2"}
+    told = {*FACTS, *ONLY["score"], *ONLY["posterior"], "block/3", "ev_holds/2", "excused/1", "unposed/2", *PHOTO}
     return frozenset(ruled | told | {e.signature for e in VOCABULARY})

@@ -19,7 +19,8 @@ from geometry.frames import inverse, is_rigid
 from geometry.visibility.rays import RayMesh
 from kb.clouds.lobes import LobeTable
 from plogic.base.errors import InterpretationError
-from plogic.facts.document import AssetsRow, Interpretation, Marks, SensingRow, TypeRow, WorldRow
+from plogic.facts.carried_rows import AssetsRow, TypeRow
+from plogic.facts.document import Interpretation, Marks, SensingRow, WorldRow
 from plogic.facts.fact_rows import Interval, PairRow
 from plogic.facts.interpretation import interpretation_in, parsed
 from plogic.facts.situation import Reading, stopped_in

@@ -52,6 +52,9 @@ def _added(document: Interpretation, other: Interpretation, name: str, new: str)
     own = {a: f"{new}_{a}" for a in matched}
     features = [{**f, "match": own.get(f["match"] or ""), "hidden_by": []} for f in row["features"]]
     added = {**row, "id": new, "group": f"{new}_instance", "features": features}
+    if "pixels_beside" in row:  # nobody of the other image is before it here
+        alone = [told for told in row["pixels_beside"] if not told["present"]]
+        added |= {"pixels_beside": alone, "pixels_left_out": []}
     data = [{**a, "id": own[a["id"]]} for a in other["appearances"] if a["id"] in own]
     changed: dict[str, Any] = {
         "hypotheses": [*document["hypotheses"], added],

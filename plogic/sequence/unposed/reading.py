@@ -46,20 +46,23 @@ def withheld(document: Interpretation, names: Sequence[str]) -> Interpretation:
         raise InputError(f"withhold: {', '.join(strange)}: should be among {', '.join(ids) or 'no hypothesis'}")
     without = _without(situation, frozenset(names))
     told = replace(without, evidence=(*without.evidence, evidence(document, list(dict.fromkeys(names)))))
-    hidden_by = {(h.id, f.id): list(f.hidden_by) for h in told.hypotheses for f in h.features}
+    by_id = {h.id: h for h in told.hypotheses}
     changed = {
         "facts": facts_of(told),
         "space": space_document(told.space),
-        "hypotheses": [_row(h, hidden_by) for h in document["hypotheses"]],
+        "hypotheses": [_row(h, by_id.get(h["id"])) for h in document["hypotheses"]],
         "relations": [row for row in document.get("relations", ()) if not set(names) & set(row["args"])],
         "doubts": [row for row in document.get("doubts", ()) if not set(names) & set(row["args"])],
     }
     return cast("Interpretation", {**document, **changed})
 
 
-def _row(h: HypothesisRow | RejectedRow, hidden_by: Mapping[tuple[str, str], list[str]]) -> dict[str, object]:
-    features = [{**f, "hidden_by": hidden_by.get((h["id"], f["id"]), f["hidden_by"])} for f in h["features"]]
-    return {**h, "features": features}
+def _row(h: HypothesisRow | RejectedRow, told: Hypothesis | None) -> dict[str, object]:
+    if told is None:
+        return {**h}
+    hidden_by = {f.id: list(f.hidden_by) for f in told.features}
+    features = [{**f, "hidden_by": hidden_by[f["id"]]} for f in h["features"]]
+    return {**h, "features": features, **({} if told.pixel_table is None else told.pixel_table.document())}
 
 
 def _without(situation: Situation, names: frozenset[str]) -> Situation:
@@ -68,7 +71,10 @@ def _without(situation: Situation, names: frozenset[str]) -> Situation:
     return replace(
         situation,
         hypotheses=tuple(
-            h.told(features=tuple(replace(f, hidden_by=_unhidden(h.id, f, names)) for f in h.features))
+            h.told(
+                features=tuple(replace(f, hidden_by=_unhidden(h.id, f, names)) for f in h.features),
+                pixel_table=None if h.pixel_table is None else h.pixel_table.among(() if h.id in names else others),
+            )
             for h in situation.hypotheses
         ),
         relations=tuple(r for r in situation.relations if not names & {r.x, r.y}),

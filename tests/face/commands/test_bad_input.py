@@ -198,6 +198,7 @@ USAGES = [
     ("demo", "--look-again", "--reading", "score"),
     ("bench", "towers", "--quick"),
     ("bench", "worlds", "--picture", "x.svg"),
+    ("bench", "box", "--pictures", "folder"),
     ("simulate", "--kb", "towers", "--objects", "-1", "-o", "scene"),
     ("kb",),
     ("kb", "zork"),

@@ -119,6 +119,25 @@ def test_what_only_looks_like_a_constraint_is_said_to_exclude_nothing(tmp_path, 
     assert f"{path}:{said}" in told(name, path, *goal)
 
 
+def test_a_recursion_that_cannot_end_is_told_of_a_program_and_of_rules_though_nobody_asks_it(tmp_path):
+    plain, rules = tmp_path / "u.pl", tmp_path / "rules.pl"
+    rules.write_text("fact(0, 1).\nfact(N, F) :- M is N - 1, fact(M, G), F is N * G.\n")
+    plain.write_text("0.5::a.\nquery(a).\n")
+    assert f"{rules}:2:27: fact/2 calls itself without end" in "\n".join(told("query", plain, "--rules", rules))
+    plain.write_text(f"0.5::a.\nquery(a).\n{rules.read_text()}")
+    assert f"{plain}:4:27: fact/2 calls itself without end" in "\n".join(told("query", plain))
+
+
+def test_a_findall_that_leaves_its_variable_open_is_told_what_to_write_and_that_is_answered(tmp_path):
+    path, rules = tmp_path / "u.pl", tmp_path / "rules.pl"
+    path.write_text("0.25::a(1).\na(2).\n")
+    goal = "findall(X, a(X), L), length(L, N)"
+    rules.write_text(f"n(N) :- {goal}.\n")
+    assert "write it as a rule, n(N) :- findall(...)" in told("query", path, goal)[-1]
+    rows = [line.split() for line in told("query", path, "n(N)", "--rules", rules)]
+    assert [row for row in rows if row[1:] and row[1].startswith("n(")] == [["0.750", "n(1)"], ["0.250", "n(2)"]]
+
+
 def test_what_is_advised_instead_excludes_worlds(tmp_path):
     plain, advised, rules = (tmp_path / name for name in ("plain.pl", "advised.pl", "rules.pl"))
     plain.write_text(CONSTRAINED.format(""))

@@ -12,6 +12,7 @@ from geometry.files.documents import Document
 from geometry.visibility.roc import converse
 from plogic import Error, Interpretation
 from plogic.facts.interpretation import interpretation_in, situation_of
+from plogic.facts.pixel_table import PixelTable
 from plogic.sequence.unposed.elsewhere import with_elsewhere
 from plogic.sequence.unposed.reading import beside, doubts_weighed, evidence, withheld
 
@@ -128,3 +129,24 @@ def test_a_doubt_gets_the_number_that_evidence_gives_its_relation(document):
     rows = doubts_weighed({**document, "doubts": [said, against]})["doubts"]
     assert rows[0]["evidence"] > 0.9
     assert rows[1]["evidence"] < 0.05
+
+
+def test_pixels_are_told_without_those_that_nobody_located(document):
+    """Who stands nowhere is before nobody, and nobody is before it."""
+    keys = {"pixels_beside": [{"present": [], "pixels": 4.0}, {"present": ["h1"], "pixels": 1.0}]}
+    told = {
+        **document,
+        "hypotheses": [{**h, **keys} if h["id"] == "h2" else h for h in document["hypotheses"]],
+    }
+    alone = PixelTable((), (4.0,))
+    assert table_in(told) == PixelTable(("h1",), (4.0, 1.0))
+    assert table_in(withheld(told, ["h1"])) == alone
+    assert table_in(withheld(told, ["h2"])) == alone
+    both, new = with_elsewhere(told, told, "h2")
+    assert table_in(both, new) == alone
+    assert table_in(both) == table_in(told)
+
+
+def table_in(document, name="h2"):
+    (found,) = (h.pixel_table for h in situation_of(document).hypotheses if h.id == name)
+    return found

@@ -65,6 +65,23 @@ def test_a_missing_type_tells_how_many_words_were_detected_and_json_which(folder
     assert "sift_w" not in text
 
 
+def test_what_is_missed_stands_beside_what_was_found_in_learning(folder):
+    (seen,) = [h for h in document_in(folder / "seen.json") if h["status"] == "accepted"]
+    rates = [f["learned_rate"] for f in seen["features"] if f["expected"] and f.get("stands_for", 1) == 1]
+    assert all(0.0 <= rate <= 1.0 for rate in rates)
+    found = sum(f["case"] == "A" and f.get("stands_for", 1) == 1 for f in seen["features"])
+    told = " ".join(good("explain", "seen.json", "present(h1)", cwd=folder).split())
+    assert f"{found} of {len(rates)} expected features are found; when its type was learned, {sum(rates):.0f}" in told
+    page = good("report", "seen.json", "-o", "-", cwd=folder)
+    assert "When its type was learned" in page
+    part = [h for h in document_in(folder / "part.json") if h["status"] == "rejected"]
+    assert all("learned_rate" in f for h in part for f in h["features"] if f.get("stands_for", 1) == 1)
+
+
+def document_in(path):
+    return json.loads(path.read_text())["hypotheses"]
+
+
 def test_help_says_how_all_words_are_listed():
     assert "--json lists them" in " ".join(plogic("measures", "--help").stdout.split())
     assert "--json: by visual word" in " ".join(plogic("explain", "--help").stdout.split())

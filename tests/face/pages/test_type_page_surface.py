@@ -8,7 +8,12 @@ import cv2
 import numpy as np
 import pytest
 
-from plogic.face.pages.type_content import LARGEST_PICTURE, MOST_TRIANGLES, Drawn, _picture, coarser, floats, shorts
+from plogic.face.pages.type_content import LARGEST_PICTURE, LONGEST_SIDE
+from plogic.run.painted import MOST_DRAWN, Drawn, coarser, floats, shorts, texture_picture
+
+
+def _picture(texture):
+    return texture_picture(texture, LARGEST_PICTURE, LONGEST_SIDE)
 
 
 def tube(n, *, painted):
@@ -29,8 +34,8 @@ def test_a_small_mesh_is_drawn_as_it_is():
 @pytest.mark.parametrize("n", [110, 300])
 def test_a_large_mesh_is_drawn_coarser_and_stays_round(n, painted):
     drawn = coarser(tube(n, painted=painted))
-    assert 500 < len(drawn.triangles) <= MOST_TRIANGLES
-    assert len(drawn.vertices) <= MOST_TRIANGLES
+    assert 500 < len(drawn.triangles) <= MOST_DRAWN
+    assert len(drawn.vertices) <= MOST_DRAWN
     assert drawn.triangles.max() == len(drawn.vertices) - 1
     assert np.abs(np.hypot(drawn.vertices[:, 0], drawn.vertices[:, 1]) - 1).max() < 0.02
 

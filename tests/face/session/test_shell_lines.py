@@ -197,3 +197,11 @@ def test_trust_lets_a_program_of_ones_own_read_its_files(tmp_path):
     assert trusted.returncode == 0
     assert "0.250   b" in trusted.stdout
     assert [line[:8] for line in trusted.stderr.splitlines()] == ["--trust:"], "it says what it lifts"
+
+
+def test_a_number_of_any_length_is_told_as_a_wrong_one(rain):
+    done = ran(rain, f"worlds {'9' * 5000}", f"show {'9' * 5000}", "predict rain")
+    assert "plogic: line 1: worlds 999" in done.stderr
+    assert "should be a number of worlds, such as worlds" in done.stderr
+    assert "internal error" not in done.stderr
+    assert "rain" in done.stdout

@@ -9,7 +9,7 @@ import pytest
 import shapely
 from towers_scene import POSES, apply, meets, project, shape, triangles
 
-from plogic.face.shown.edges import MOST_CREASES, creases, edges_of
+from plogic.face.shown.edges import creases, edges_of
 
 CUBE = np.array([[x, y, z] for x in (-0.5, 0.5) for y in (-0.5, 0.5) for z in (-0.5, 0.5)])
 FACES = [(0, 1, 3, 2), (4, 6, 7, 5), (0, 4, 5, 1), (2, 3, 7, 6), (0, 2, 6, 4), (1, 5, 7, 3)]
@@ -133,18 +133,6 @@ def test_creases_are_edges_between_facets_that_meet_at_an_angle_also_along_seams
     split = np.array([CUBE[i] for t in triangles(FACES) for i in t])
     assert len(creases(split, np.arange(36).reshape(-1, 3))) == 12
     assert len(creases(CUBE, np.array(triangles(FACES[:1])))) == 4
-
-
-def test_of_a_surface_with_many_creases_only_the_outline_is_drawn():
-    n = MOST_CREASES
-    around = 2 * np.pi * np.arange(n) / n
-    ring = np.stack([np.cos(around), np.sin(around), 0 * around], -1) * 0.5
-    star = np.concatenate([ring * np.where(np.arange(n) % 2, 0.7, 1.0)[:, None], [[0, 0, -0.4]]])
-    facets = [[i, (i + 1) % n, n] for i in range(n)]
-    assert len(creases(star, np.array(facets))) > MOST_CREASES
-    document = scene(box("h1", (0, 0, 4)))
-    document["assets"]["meshes"]["cube"] = {"vertices": star.tolist(), "triangles": facets}
-    assert [s.inner for s in edges_of(document)["h1"]] == [False]
 
 
 @pytest.mark.parametrize("outline", [[[]], [[[1.0, 1.0]]], [[[float("nan"), 0.0]] * 4]])

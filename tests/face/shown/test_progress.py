@@ -42,7 +42,7 @@ def test_work_is_told_though_no_step_of_it_ends(monkeypatch):
         waited(stream, "cup: 0 of 80 views; 0 % of all\ncup: 0 of 80 views; 0 % of all\n")
         work.step(25.0)
         work.at("cup: 20 of 80 views")
-        waited(stream, "cup: 20 of 80 views; 25 % of all, about 0 s left\n")
+        waited(stream, "cup: 20 of 80 views; 25 % of all, longer than expected\n")
         work.say("cup is learned")
     told = stream.getvalue()
     assert told.endswith("cup is learned\n") or told.splitlines()[-1].startswith("cup: 20 of 80 views")
@@ -69,7 +69,7 @@ def test_on_a_terminal_one_line_with_a_bar_is_written_over_and_taken_away(monkey
 
 
 def test_the_time_left_is_what_the_speed_makes_of_the_rest(monkeypatch):
-    clock = iter([0.0, 0.0, 60.0])
+    clock = iter([0.0, 0.0, 60.0, 1000.0])
     monkeypatch.setattr(progress, "monotonic", lambda: next(clock))
     work = progress.Work(200.0, print)
     work.at("cup: features")
@@ -77,4 +77,7 @@ def test_the_time_left_is_what_the_speed_makes_of_the_rest(monkeypatch):
     work.step(30.0)
     assert work.text(60.0) == "cup: features; 25 % of all, about 3 min left"
     assert work.text(110.0) == "cup: features; 25 % of all, about 2 min left"
-    assert work.text(1000.0) == "cup: features; 25 % of all, about 0 s left"
+    assert work.text(1000.0) == "cup: features; 25 % of all, longer than expected"
+    work.step(90.0)
+    work.at("words of all types")
+    assert work.text(1000.0) == "words of all types; the last phase, whose time is not known"

@@ -125,8 +125,12 @@ def test_opencvs_own_writer_is_read_in_each_of_its_formats(tmp_path, suffix):
     for name, value in (("image_width", 640), ("image_height", 480), ("camera_matrix", np.array(LENS.K))):
         store.write(name, value)
     store.write("distortion_coefficients", np.array(LENS.dist)[:, None])
+    store.write("calibration_time", "Tue 1 Jan: <new> & shiny")
     store.release()
     assert camera_to_dict(read_camera(path)) == PLAIN
+    renamed = tmp_path / "camera"  # the text tells the kind, not the name
+    renamed.write_bytes(b"\xef\xbb\xbf" + path.read_bytes())
+    assert camera_to_dict(read_camera(renamed)) == PLAIN
 
 
 def test_a_pose_beside_a_row_of_nine_is_kept_and_strange_keys_are_mistakes(tmp_path):
@@ -189,10 +193,15 @@ def test_bop_scenes_are_in_millimetres_and_take_their_size_from_the_dataset(tmp_
         ("a: !!python/object/apply:os.system [ls]", ":1: is not plain YAML: could not determine a constructor"),
         ("width: 1\nwidth: 2", ":2: is not plain YAML: found duplicate key"),
         ("width: 640\nheight: 480", "camera_matrix: is missing"),
-        (ROS.replace("plumb_bob", "equidistant"), "distortion_model: must be"),
+        (ROS.replace("plumb_bob", "equidistant"), ":6: distortion_model: must be"),
         (ROS.replace("image_width: 640", ""), "states no width and height"),
-        (ROS.replace("600, 0, 320", "600, 0"), "must hold 9 numbers, not 8"),
-        (ROS.replace("600, 0, 320", "six, 0, 320"), "camera.K"),
+        (ROS.replace("image_width: 640", "image_width: 0"), ":2: camera.width: 0 is not a whole number"),
+        (ROS.replace("600, 0, 320", "600, 0"), ":5: camera_matrix: must hold 9 numbers, not 8"),
+        (ROS.replace("600, 0, 320", "six, 0, 320"), ":5: camera.K"),
+        (ROS.replace("640", "9" * 5000), ":2: holds a whole number of more digits than can be read"),
+        (OPENCV_JSON | {"binning_x": 10**4000}, "must be numbers of sensible size"),
+        (ROS.replace("0.08, 0.001", "0.08, x"), ":7: camera.dist: must be a list of"),
+        ('{"camera_matrix": [1],\n"distortion_model":\n"fisheye"}', ":2: distortion_model: must be"),
         (OPENCV_XML.replace("</opencv_storage>", ""), ":19: is no XML"),
         (
             '<!DOCTYPE a [<!ENTITY b SYSTEM "file:///etc/passwd">]><opencv_storage><camera_matrix>&b;</camera_matrix></opencv_storage>',
@@ -201,8 +210,12 @@ def test_bop_scenes_are_in_millimetres_and_take_their_size_from_the_dataset(tmp_
         ("<robot/>", "is no OpenCV FileStorage: its first element is <robot>, not <opencv_storage>"),
         ("<opencv_storage>" + "<a>" * 100 + "</a>" * 100 + "</opencv_storage>", "nested deeper than 60 levels"),
         ("<opencv_storage/>", "camera_matrix: is missing"),
-        (OPENCV_XML.replace("600. 0. 320.", "600. 0."), "camera_matrix: must hold 9 numbers, not 8"),
-        (OPENCV_XML.replace("600. 0. 320.", "six 0. 320."), "camera.K"),
+        (OPENCV_XML.replace("600. 0. 320.", "600. 0."), ":6: camera_matrix: must hold 9 numbers, not 8"),
+        (OPENCV_XML.replace("600. 0. 320.", "six 0. 320."), ":6: camera.K: must be a 3x3 matrix of finite numbers"),
+        (OPENCV_XML.replace(">640<", ">many<"), ":4: camera.width: 'many' is not a whole number"),
+        (OPENCV_XML.replace(">640<", f">{'9' * 5000}<"), ":4: camera.width: inf is not a whole number"),
+        (OPENCV_XML.replace("<opencv", "<!DOCTYPE a>\n<opencv", 1), ":2: defines entities, which no calibration needs"),
+        ("<opencv_storage>" + " " * 2**20, "must be a calibration of at most 1048576 characters"),
         (OPENCV_XML.replace("<image_width>640</image_width>", ""), "states no width and height"),
         (OPENCV_JSON | {"camera_matrix": MATRIX | {"data": [1, 2]}}, "camera_matrix: must hold 9 numbers, not 2"),
         ({"width": 640, "height": 480, "K": [1, 2, 3]}, "K: must be a 3x3 matrix"),

@@ -41,7 +41,8 @@ def test_a_photo_s_camera_is_found_by_its_name(kind, photo, name):
 
 
 @KINDS
-def test_a_name_that_tells_no_one_camera_is_an_error_that_lists_them(kind):
+def test_a_name_that_tells_no_one_camera_is_an_error_that_lists_them(kind, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)  # in a folder called `left` the first name would tell one
     for photo in ("photo.jpg", "strange.jpg"):
         with pytest.raises(
             WhichCameraError, match=r"has 7 cameras; say which camera: 1, 2, 3, 4, 5, 6, 7 \(FILE#1\)"

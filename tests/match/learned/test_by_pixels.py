@@ -8,8 +8,11 @@ from geometry.frames import transform_points
 from kb.files.read import read_kb
 from plogic.base.clock import Stopwatch
 from plogic.cycle.delta import Options
+from plogic.face.python.interpretation import Interpretation
+from plogic.face.shown.tables import measures
 from plogic.facts.interpretation import situation_of, text_of
-from plogic.match.judged.evidence import SUREST_MISSED, evidence
+from plogic.facts.pixel_table import PixelTable
+from plogic.match.judged.evidence import SUREST_MISSED, as_fitted, evidence
 from plogic.run.perceive import Perceiver
 from plogic.scene.asking.explanations import present
 from sensing.detectors.detector import detect
@@ -84,7 +87,7 @@ def test_a_pixel_counts_once_for_what_stands_in_front(perceiver):
 
 
 @pytest.mark.parametrize(
-    ("reading", "says"), [("posterior", "told with what is detected"), ("score", "accepted by that")]
+    ("reading", "says"), [("posterior", "in log-odds"), ("score", "in log-odds, it is accepted by that")]
 )
 def test_the_document_and_the_explanation_have_it(perceiver, reading, says):
     image = picture([TRUE], seed=3)
@@ -94,13 +97,48 @@ def test_the_document_and_the_explanation_have_it(perceiver, reading, says):
     assert row["pixels"] > 8.0
     situation = situation_of(document)
     assert situation.hypotheses[0].pixels == row["pixels"]
-    (line,) = [line for line in present(situation, "present(h1)").summary if "photo" in line]
+    (line,) = [line for line in present(situation, "present(h1)").summary if "the photo shows" in line]
     assert line.startswith("  for: drawn at its pose it is what the photo shows")
-    assert f"{row['pixels']:+.3g} in log-odds, " in line
-    assert says in line
+    assert f"{row['pixels']:+.3g} {says}" in line
+    assert situation.hypotheses[0].pixel_table == PixelTable((), (row["pixels"],))
     without = perceiver(gamma, Options(reading=reading))
     assert all("pixels" not in h for h in without["hypotheses"])
     assert not any("photo" in line for line in present(situation_of(without), "present(h1)").summary)
+
+
+def test_the_program_is_told_of_matches_what_they_say_alone(perceiver):
+    """Pixels have a factor of their own, and what is missed costs no more than what is found brings."""
+    image = picture([TRUE], seed=3)
+    data, [found] = accepted(perceiver, gamma_of(perceiver, image), image)
+    told, bare = (as_fitted(some, data, perceiver.kb) for some in (found, found.told(pixels=None)))
+    assert np.array_equal(told, bare)
+    few = np.flatnonzero(found.detected & found.candidate)[4:]
+    matches = found.matches.copy()
+    matches[few] = -1
+    poor = found.told(matches=matches)
+    assert evidence(poor.told(pixels=None), data, perceiver.kb).surplus < SUREST_MISSED
+    (_, waived), (_, owing) = (as_fitted(some, data, perceiver.kb) for some in (poor, poor.told(pixels=None)))
+    assert (waived >= owing).all()
+    assert waived.sum() > owing.sum()
+
+
+def test_pixels_are_told_by_who_is_before(perceiver):
+    """One behind the cube has a line for the cube's absence and one for its presence; the cube is before nobody."""
+    image = picture([TRUE], seed=3)
+    data, [found] = accepted(perceiver, gamma_of(perceiver, image), image)
+    index = perceiver.models["cube"]
+    farther = TRUE.copy()
+    farther[:3, 3] *= 1.3
+    behind = index.settle(farther, data, perceiver.kb, rounds=0).told(pixels=30.0)
+    table = index.pictured(behind, {"h1": found}, data).pixel_table
+    assert table.occluders == ("h1",)
+    assert table.odds[1] == index.beside(behind, [found], data).pixels
+    assert table.odds[0] < 30.0
+    assert index.pictured(found, {"h2": behind}, data).pixel_table == PixelTable((), (found.pixels,))
+    assert index.pictured(behind, {}, data).pixel_table == PixelTable((), (30.0,))
+    assert index.pictured(behind.told(pixels=None), {"h1": found}, data).pixel_table is None
+    many = {f"h{i}": found for i in range(8)}
+    assert index.pictured(behind, many, data).pixel_table[0::2] == (("h0", "h1", "h2", "h3", "h4", "h5"), ("h6", "h7"))
 
 
 def test_the_same_photo_gives_the_same_bytes(perceiver):
@@ -116,3 +154,26 @@ def test_copies_of_the_process_come_to_the_same(perceiver):
     (_, [one]), (_, [other]) = (accepted(some, gamma, image) for some in (perceiver, two))
     assert np.array_equal(one.camera_from_object, other.camera_from_object)
     assert one.pixels == other.pixels
+
+
+def test_a_pose_is_told_how_surely_it_is_right(perceiver):
+    """In the document, its table, the explanation and Python; a pose that is off is told to be so."""
+    image = picture([TRUE], seed=3)
+    gamma = gamma_of(perceiver, image)
+    document = perceiver(gamma, Options(), image)
+    (row,) = [h for h in document["hypotheses"] if h["status"] == "accepted"]
+    assert row["pose_probability"] > 0.9
+    assert situation_of(document).hypotheses[0].pose_probability == row["pose_probability"]
+    assert Interpretation(document).hypotheses[0].pose_probability == row["pose_probability"]
+    told = f"within a tenth of its diameter of the true one (ADD) with probability {row['pose_probability']:.3f}"
+    assert any(told in line for line in present(situation_of(document), "present(h1)").summary)
+    assert "P(pose)" in [column.header for column in measures(document).columns]
+    without = perceiver(gamma, Options())
+    assert all("pose_probability" not in h for h in without["hypotheses"])
+    assert "P(pose)" not in [column.header for column in measures(without).columns]
+    data, [found] = accepted(perceiver, gamma, image)
+    index, off_by = perceiver.models["cube"], TRUE.copy()
+    off_by[:3, 3] *= 1.25
+    wrong = index.settle(off_by, data, perceiver.kb, rounds=0).told(pixels=0.0)
+    assert index.pictured(wrong, {}, data).pose_probability < 0.1
+    assert index.pictured(found, {}, data).pose_probability == row["pose_probability"]

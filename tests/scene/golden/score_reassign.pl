@@ -33,6 +33,10 @@ feature_of(h2, patch, patch).
 feature_of(h2, rim, corner).
 hypothesis(h3, box). instance(h3, g_h2).
 hypothesis(h4, n1). instance(h4, g_h4).
+hypotheses([h1, h2, h3, h4]).
+hypotheses_of(box, [h1, h2, h3]).
+hypotheses_of(n1, [h4]).
+hypotheses_of(cup, []).
 
 % ==== (2) The measures of Σo, and what geometry computed: poses, visibility, matches, outlines
 dv(apex, 0.99).
@@ -204,6 +208,14 @@ violated(shares_data(X, Y)) :- exclusive(X, Y), present(X), present(Y).
 % ---- The vocabulary of queries
 % object(H, Type): H is present and is of the type.
 object(H, T) :- hypothesis(H, T), present(H).
+% number_of_objects(N): N hypotheses are present.
+number_of_objects(N) :- hypotheses(Hs), counted(Hs, N).
+counted([], 0).
+counted([H | Hs], N) :- counted(Hs, M), one_more(H, M, N).
+one_more(H, M, N) :- present(H), N is M + 1.
+one_more(H, N, N) :- \+ present(H).
+% number_of(Type, N): N hypotheses of the type are present.
+number_of(T, N) :- hypotheses_of(T, Hs), counted(Hs, N).
 % node(X): X is a node of the part-whole tree of a present hypothesis.
 node(X) :- belongs(X, H), present(H).
 % part(P, H): P is a direct or indirect part of the present hypothesis H.

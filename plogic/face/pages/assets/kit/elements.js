@@ -39,6 +39,10 @@ function button(text, click, attributes) {
   return b;
 }
 
+// Arrays that travel as base64.
+const bytes = (text) => Uint8Array.from(atob(text), (c) => c.charCodeAt(0)).buffer;
+const floats = (text) => new Float32Array(bytes(text || '')), shorts = (text) => new Uint16Array(bytes(text || ''));
+
 const words = (s) => String(s).replace(/_/g, ' ');
 const plural = (n, one, many) => n + ' ' + (n === 1 ? one : many || one + 's');
 function head(kicker, title, lead) {

@@ -18,4 +18,13 @@ function edgesOf(h, how) {
   return mine.length ? svg('g', {class: how === 'unseen' ? 'unseen' : 'outline'}, [1, 0].map((inner) => mine.filter((run) => run[0] === inner))
     .map((some, i) => (some.length ? line(pathOf(some), colour(h.id), i === 0, how === 'unseen' ? how : 'seen') : []))) : null;
 }
+// Where few features are found of what was in learning: rings by hypothesis, of the world of those that are accepted. Beside other hiders others are missed.
+const missed = block('missed');
+const missedOf = (h) => (Object.hasOwn(missed, h.id) && list(h.features).every((f) => list(f.hidden_by).every((g) => (byId.get(g) || {}).status !== 'accepted' || state.shown.present.includes(g))) ? missed[h.id] : []);
+function hatch(h) {
+  const rings = missedOf(h), name = 'hatch-' + hypotheses.indexOf(h), c = colour(h.id);
+  const lines = (extra) => svg('path', {d: 'M-1,1L1,-1M0,5L5,0M4,6L6,4', fill: 'none', ...extra});
+  return rings.length ? svg('g', {class: 'missed'}, svg('pattern', {id: name, width: 5, height: 5, patternUnits: 'userSpaceOnUse'}, lines({stroke: '#14171a', 'stroke-width': 1.7}), lines({stroke: c, 'stroke-width': 0.9})),
+    svg('path', {d: rings.map((r) => 'M' + r.join(' ') + 'Z').join(''), fill: `url(#${name})`, 'fill-rule': 'evenodd'})) : null;
+}
 const hinted = (h) => svg('g', {class: 'outline'}, line(pathOf(runs(h).filter((run) => !run[0])), colour(h.id), false, 'hint'));

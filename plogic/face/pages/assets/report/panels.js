@@ -48,13 +48,18 @@ const sentence = (s) => (/^[a-z]+\d/.test(s) ? String(s) : String(s).charAt(0).t
 const cellSums = (h) => Object.values(h.support || {}).map(numbers).reduce((sum, row) => sum.map((n, i) => n + row[i]), [0, 0, 0, 0]);
 const EVENT = {rank: 'Ranked', accept: 'Accepted', reject: 'Rejected', release: 'Released', reconsider: 'Reconsidered', smooth: 'Smoothed', stable: 'Stable',
   deepen: 'Looked deeper', move: 'Moved', support: 'Supported', deadline: 'Out of time', recall: 'Remembered', search: 'Searched', 'no search': 'No search'};
+// Of a learned type: how many of the features that it expects by itself were found when it was learned.
+function usual(h) {
+  const some = list(h.features).filter((f) => f.learned_rate != null && !(f.stands_for !== undefined && f.stands_for !== 1) && f.in_image && f.in_lobe && !(f.self_hidden && h.opaque !== false));
+  return some.length ? ` When its type was learned, ${Math.round(some.reduce((sum, f) => sum + f.learned_rate, 0))} of these were found from there: most visual words come and go from picture to picture.` : '';
+}
 function card(h, number) {
   const look = () => {
     if (state.shown.alone === h.id) return show(state.shown.before);
     show({present: [h.id], causes: null, alone: h.id, before: state.shown.before || state.shown, title: `Only ${called(h.id)} is shown, as it was tried.${h.status === 'rejected' ? ' It is in no world.' : ''}`});
     at('view').scrollIntoView({block: 'start'});
   };
-  const [a, c, , d] = cellSums(h), box = el('div', {class: 'why'}, el('p', {class: 'top'}, who(h.id), number), el('p', null, `By itself: of ${plural(a + c, 'expected feature')} ${a} found, ${c} missed${d ? `; ${d} more found that it does not expect` : ''}.`),
+  const [a, c, , d] = cellSums(h), box = el('div', {class: 'why'}, el('p', {class: 'top'}, who(h.id), number), el('p', null, `By itself: of ${plural(a + c, 'expected feature')} ${a} found, ${c} missed${d ? `; ${d} more found that it does not expect` : ''}.${usual(h)}`),
     h.why ? el('p', null, sentence(h.why)) : null, list(h.apart).map((t) => el('p', null, t)), h.status === 'accepted' ? null : button('Show it alone', look, {'data-alone': h.id, 'aria-pressed': 'false', 'aria-label': `Show ${called(h.id)} alone`}));
   if (h.status !== 'accepted') for (const [event, id] of [['pointerenter', h.id], ['pointerleave', null], ['focusin', h.id], ['focusout', null]]) box.addEventListener(event, () => hint(id));
   return box;

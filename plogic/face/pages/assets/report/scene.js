@@ -3,7 +3,7 @@ const place = (T, p) => [0, 1, 2].map((i) => T[i][0] * p[0] + T[i][1] * p[1] + T
 // A world that is the camera's own frame knows no up. A camera that looks straight down has its up as what is ahead.
 const GROUNDED = list(doc.camera.T_world_camera).flat().some((x, i) => x !== (i % 5 ? 0 : 1));
 const UP = GROUNDED ? unit(doc.camera.T_world_camera[2].slice(0, 3)) : [0, -1, 0], AHEAD = Math.abs(UP[2]) > 0.99 ? [0, -1, 0] : [0, 0, 1];
-const shape = {lines: true, features: true, picture: true, step: null}, MOST_CREASES = 400;
+const shape = {lines: true, features: true, picture: true, texture: true, step: null}, MOST_CREASES = 400;
 
 // The edges where two facets meet at an angle, from a mesh whose vertices may be doubled along texture seams.
 function creases(points, facets) {
@@ -60,16 +60,18 @@ function floor(points, ink, lines) {
   }
 }
 
-// All that is to be drawn of the shown world: {triangles, lines, points, picture}.
+// All that is to be drawn of the shown world: {triangles, painted, lines, points, picture}; painted are [surface, pose].
 function build(theme) {
-  const shown = standing(state.shown), scene = {triangles: [], lines: [], points: [], picture: null};
+  const shown = standing(state.shown), scene = {triangles: [], painted: [], lines: [], points: [], picture: null};
   const all = shown.flatMap((h) => solid(h).points);
   shape.step = null;
   if (GROUNDED && all.length) floor(all, theme.ink, scene.lines);
   for (const h of shown) {
     const s = solid(h), c = rgb(colour(h.id)), wall = mix(c, [1, 1, 1], 0.5);
-    for (const f of s.facets) scene.triangles.push({p: f.map((i) => s.points[i]), c: [...wall, h.opaque === false ? 0.35 : 1]});
-    for (const [p, q] of s.creases) scene.lines.push({p, q, c: [...mix(c, [0, 0, 0], 0.55), 1]});
+    const painted = paintOf(h);
+    if (painted) scene.painted.push([painted, h.T_camera_object]);
+    else for (const f of s.facets) scene.triangles.push({p: f.map((i) => s.points[i]), c: [...wall, h.opaque === false ? 0.35 : 1]});
+    for (const [p, q] of painted ? [] : s.creases) scene.lines.push({p, q, c: [...mix(c, [0, 0, 0], 0.55), 1]});
     for (const f of list(h.features)) sight(h, f, c, scene, theme);
     if (!s.facets.length && !list(h.features).length) for (const p of s.points) scene.points.push({p, c: [...c, 1], kind: 3, size: 9});
   }

@@ -11,7 +11,7 @@ function zoom(factor) {
 function paint(ratio, wide) {
   refit(stage.width / stage.height);
   painter(build({ink: isDark() ? [0.9, 0.89, 0.87] : [0.12, 0.13, 0.15]}), ratio * Math.min(1, 0.45 + wide / 1200));
-  Object.assign(stage.dataset, {yaw: eye.yaw.toFixed(3), distance: distance().toPrecision(6)});
+  Object.assign(stage.dataset, {yaw: eye.yaw.toFixed(3), painted: standing(state.shown).filter(paintOf).length, distance: distance().toPrecision(6)});
   if (keyed !== shape.step) drawStageKey();
 }
 
@@ -33,7 +33,7 @@ function startStage() {
   lookFrom();
   mountStage({label, webgl: webglPainter, flat: flatPainter, paint, turn, zoom, keys: {Home: () => goTo()}});
   put('stage-bar', look('Side'), look('Camera', 0, 0.2), look('Top', 0, 1.5), look('Back', 2.6, 0.35), button('Close', () => goTo(0.95, 0.42, true), {'data-view': 'close'}),
-    [['lines', 'Lines of sight'], ['features', 'Features'], ...(IMAGE ? [['picture', 'Image']] : [])].map(([k, text]) => toggle(k, shape[k], text, (on) => { shape[k] = on; drawStageKey(); redraw(); })));
+    [['lines', 'Lines of sight'], ['features', 'Features'], ...(IMAGE ? [['picture', 'Image']] : []), ...(paints.size ? [['texture', 'Texture']] : [])].map(([k, text]) => toggle(k, shape[k], text, (on) => { shape[k] = on; drawStageKey(); redraw(); })));
   put('stage-hint', 'Drag or press the arrow keys to turn. Click it, then use the wheel to zoom; + and \u2212 do the same.');
   watchers.push((what) => { if (what === 'world') follows(); redraw(); });
   drawStageKey();
@@ -42,4 +42,5 @@ startPicture();
 startKey();
 startPanels();
 startStage();
+startPaints();
 changed('world');

@@ -2,7 +2,7 @@
 function flatPainter(canvas) {
   const count = surface ? surface.triangles.length / 3 : 0, alpha = doc.type.opaque ? 1 : 0.4;
   let paint = null;
-  if (PICTURE && surface.uv) load(PICTURE, (image) => { paint = middles(image); redraw(); });
+  if (PICTURE && surface.uv) load(PICTURE, (image) => { paint = middles(surface, image); redraw(); });
   const normals = Array.from({length: count}, (_, t) => { const [a, b, c] = corners(t); return unit(cross(sub(b, a), sub(c, a))); });
   return (wall, ratio) => {
     const scene = lobeScene(), light = unit(add(eyeAxes().z, [0.15, 0.1, 0.55])), flat = farToNear(canvas, clipMatrix(canvas.width / canvas.height), RADIUS), {ctx} = flat;
@@ -22,15 +22,3 @@ function flatPainter(canvas) {
   };
 }
 const corners = (t) => [0, 1, 2].map((i) => three(surface.vertices, surface.triangles[3 * t + i]));
-
-// The texture's colour in the middle of each triangle.
-function middles(image) {
-  const c = el('canvas', {width: image.naturalWidth, height: image.naturalHeight}), g = c.getContext('2d'), fold = (x) => x - Math.floor(x);
-  g.drawImage(image, 0, 0);
-  const pixels = g.getImageData(0, 0, c.width, c.height).data;
-  return Array.from({length: surface.triangles.length / 3}, (_, t) => {
-    const [u, v] = [0, 1].map((k) => [0, 1, 2].reduce((sum, i) => sum + surface.uv[2 * surface.triangles[3 * t + i] + k] / 3, 0));
-    const i = 4 * (Math.min(c.height - 1, Math.floor((1 - fold(v)) * c.height)) * c.width + Math.min(c.width - 1, Math.floor(fold(u) * c.width)));
-    return [pixels[i] / 255, pixels[i + 1] / 255, pixels[i + 2] / 255];
-  });
-}

@@ -1,7 +1,5 @@
 // What the page knows: the document, its arrays unpacked, and which lobes hold a viewpoint (§2.7). No drawing here.
 const doc = read;
-const bytes = (text) => Uint8Array.from(atob(text), (c) => c.charCodeAt(0)).buffer;
-const floats = (text) => new Float32Array(bytes(text || '')), shorts = (text) => new Uint16Array(bytes(text || ''));
 const TYPES = doc.types.map(([name, here, all, dv, hit, sigma]) => ({name, here, all, dv, hit, sigma})), PARTS = doc.parts, LOOKS = doc.lobes.looks;
 const feature = {names: doc.features.names, type: shorts(doc.features.type), part: shorts(doc.features.part), at: floats(doc.features.at), sigma: doc.features.sigma ? floats(doc.features.sigma) : null};
 const lobe = {look: shorts(doc.lobes.look), feature: shorts(doc.lobes.feature), axis: floats(doc.lobes.axis), half: floats(doc.lobes.half_angle), near: floats(doc.lobes.r_min), far: floats(doc.lobes.r_max), hit: doc.lobes.hit ? floats(doc.lobes.hit) : null};

@@ -4,27 +4,6 @@ const SOLID = ['attribute vec3 p;attribute vec3 n;attribute vec2 t;uniform mat4 
 const PLAIN = ['attribute vec3 p;attribute vec4 c;attribute float s;uniform mat4 m;uniform float b;varying vec4 v;varying float w;void main(){gl_Position=m*vec4(p,1.);gl_Position.z-=b*gl_Position.w;gl_PointSize=s;v=c;w=s;}',
   'precision mediump float;varying vec4 v;varying float w;uniform float d;void main(){vec4 o=v;if(d>.5){float r=length(gl_PointCoord*2.-1.);if(r>1.)discard;if(d>1.5&&r>.78)o=vec4(1.);else if(v.a>.9&&r>(d>1.5?.6:.86-1./w))o=vec4(.07,.08,.1,1.);o.a*=clamp((1.-r)*w*.5,0.,1.);}gl_FragColor=vec4(o.rgb*o.a,o.a);}'];
 
-// Each triangle with its own corners: place, normal, texture coordinate.
-function solidRows() {
-  const {vertices: V, triangles: T, uv} = surface, rows = new Float32Array(T.length * 8);
-  for (let t = 0; t < T.length; t += 3) {
-    const [a, b, c] = [0, 1, 2].map((i) => three(V, T[t + i])), n = unit(cross(sub(b, a), sub(c, a)));
-    [a, b, c].forEach((p, i) => rows.set([...p, ...n, ...(uv ? [uv[2 * T[t + i]], uv[2 * T[t + i] + 1]] : [0, 0])], 8 * (t + i)));
-  }
-  return rows;
-}
-
-function textureOf(gl, image) {
-  const id = gl.createTexture();
-  gl.bindTexture(gl.TEXTURE_2D, id);
-  gl.pixelStorei(gl.UNPACK_FLIP_Y_WEBGL, true);
-  if (image) gl.texImage2D(gl.TEXTURE_2D, 0, gl.RGBA, gl.RGBA, gl.UNSIGNED_BYTE, image);
-  else gl.texImage2D(gl.TEXTURE_2D, 0, gl.RGBA, 1, 1, 0, gl.RGBA, gl.UNSIGNED_BYTE, new Uint8Array([128, 128, 128, 255]));
-  gl.generateMipmap(gl.TEXTURE_2D);
-  gl.texParameteri(gl.TEXTURE_2D, gl.TEXTURE_MIN_FILTER, gl.LINEAR_MIPMAP_LINEAR);
-  return id;
-}
-
 // A stroke as two triangles, so wide to each side.
 function ribbon({p, q, beside}, wide, c) {
   const [a, b, d, e] = [[p, wide], [p, -wide], [q, wide], [q, -wide]].map(([o, w]) => [...add(o, times(beside, w)), ...c, 1]);
@@ -35,12 +14,12 @@ function webglPainter(canvas) {
   const gl = webgl(canvas), solid = gl && program(gl, SOLID, ['p', 'n', 't']), plain = gl && program(gl, PLAIN, ['p', 'c', 's']);
   if (!solid || !plain) return null;
   const buffer = gl.createBuffer(), body = gl.createBuffer();
-  let texture = textureOf(gl, null), painted = false;
+  let texture = repeated(gl, null), painted = false;
   if (surface) {
     gl.bindBuffer(gl.ARRAY_BUFFER, body);
-    gl.bufferData(gl.ARRAY_BUFFER, solidRows(), gl.STATIC_DRAW);
+    gl.bufferData(gl.ARRAY_BUFFER, cornerRows(surface), gl.STATIC_DRAW);
   }
-  if (PICTURE) load(PICTURE, (image) => { if (!gl.isContextLost()) { texture = textureOf(gl, image); painted = true; redraw(); } });
+  if (PICTURE) load(PICTURE, (image) => { if (!gl.isContextLost()) { texture = repeated(gl, image); painted = true; redraw(); } });
   const drawSolid = (m, z, wall) => {
     use(gl, solid, m);
     gl.uniform3fv(solid.u('e'), unit(add(z, [0.15, 0.1, 0.55])));

@@ -1,0 +1,216 @@
+"""How surely poses are right: ``sensing.pixels.sureness`` calibrated on simulated photos, checked on a BOP scene's.
+
+``python benchmarks/pose_odds.py KB SCENE``: the types of KB are those of SCENE's dataset, by number or by name. Objects
+of the types are photographed by the simulated camera, one at a time; poses beside the true ones are moved to where they
+fit best, and are right or wrong (``RADIUS``). Prints for several ``INDEPENDENT`` the log loss and the expected
+calibration error of P(right) on them, then the same of poses beside the posed objects of SCENE, with a 95 % interval
+(photos and objects drawn again). Last, ``pose_probability`` of what is accepted in SCENE's photos, of posed types.
+"""
+
+import argparse
+import json
+from collections.abc import Iterator
+from dataclasses import replace
+from pathlib import Path
+from typing import NamedTuple
+
+import numpy as np
+
+from geometry.arrays import Floats
+from geometry.camera import Camera
+from geometry.files.camera_files import read_camera
+from geometry.frames import from_rotation_translation, transform_points, turn_about
+from kb.clouds.cloud import ObjectType
+from plogic.cycle.delta import Options
+from plogic.match.learned.learned_models import LearnedIndex
+from plogic.run.bop.models import ids_of, model_names
+from plogic.run.perceive import Perceiver
+from plogic.run.sources import kb_of
+from sensing.detectors.detector import detect
+from sensing.files.images import read_image
+from sensing.pixels.drawn import Paint
+from sensing.pixels.photo import Photo
+from sensing.pixels.refine import moved, refined
+from sensing.pixels.sureness import INDEPENDENT, RADIUS, Alternative, alternatives, share_of
+from sensing.simulated.body import Body
+from sensing.simulated.camera import Sensor, render
+from sensing.simulated.surroundings import Light, Surroundings
+
+TRIED = 0.05, 0.1, 0.2, 0.5, 1.0, 2.0, 5.0
+BINS = 5
+"""Of equal mass."""
+AGAIN = 1000
+FAR = np.array([1.0, 3.0])
+"""Half of the starts are off by what print leaves in doubt, half by three times that."""
+LOOSE = 0.15, 0.04, 0.02
+"""Standard deviations of starts: radians, shares of the depth, and of the diameter across."""
+
+
+class Sample(NamedTuple):
+    """One refined pose: of which object, whether right, its ``alternatives``, and the truth's symmetries."""
+
+    of: str
+    right: bool
+    found: list[Alternative]
+    paint: Paint
+    pose: Floats
+    symmetries: Floats
+
+
+def beside(true: Floats, paint: Paint, rng: np.random.Generator) -> Floats:
+    """A pose near the true one."""
+    middle = true[:3, :3] @ paint.middle + true[:3, 3]
+    far = rng.choice(FAR)
+    step = np.concatenate([rng.normal(0.0, far * LOOSE[0], 3), rng.normal(0.0, LOOSE[2] * paint.diameter, 3)])
+    step[3:] += rng.normal(0.0, far * LOOSE[1]) * middle
+    return moved(true, paint.middle, step)
+
+
+def sample(photo: Photo, paint: Paint, kind: ObjectType, true: Floats, start: Floats, of: str) -> Sample | None:
+    """What a start comes to."""
+    at = refined(photo, paint, start)
+    found = alternatives(photo, paint, at[0]) if at is not None else []
+    if at is None or not found:
+        return None
+    return Sample(of, off(at[0], true, paint, kind) < RADIUS, found, paint, at[0], kind.symmetries)
+
+
+def off(pose: Floats, true: Floats, paint: Paint, kind: ObjectType) -> float:
+    """ADD, up to symmetry, in diameters."""
+    here, places = transform_points(pose, paint.mesh.vertices), paint.mesh.vertices
+    turned = [transform_points(true @ motion, places) for motion in kind.symmetries]
+    return float(min(np.linalg.norm(here - there, axis=1).mean() for there in turned)) / paint.diameter
+
+
+def simulated(types: dict[str, LearnedIndex], camera: Camera, count: int, seed: int) -> Iterator[Sample]:
+    """One pose of each of ``count`` photos a type."""
+    rng = np.random.default_rng(seed)
+    eye = np.diag([1.0, -1.0, -1.0, 1.0])
+    eye[2, 3] = 50.0  # the floor, z = 0, is far behind
+    for name, index in types.items():
+        paint = index.paint
+        assert paint is not None  # noqa: S101 - those that have it
+        for i in range(count):
+            axis = rng.normal(size=3)
+            turn = turn_about(axis / np.linalg.norm(axis), rng.uniform(0.0, np.pi))[:3, :3]
+            depth = camera.f * paint.diameter / rng.uniform(70.0, 220.0)
+            middle = depth * np.array([*rng.uniform(-0.2, 0.2, 2), 1.0])
+            true = from_rotation_translation(turn, middle - turn @ paint.middle)
+            looks = Surroundings(contrast=float(rng.uniform(10, 60)), shadow=0, seed=int(rng.integers(2**31)))
+            sensor = Sensor(noise=float(rng.uniform(1, 6)), blur=float(rng.uniform(0.3, 1.2)), seed=i)
+            body = Body(name, paint.mesh, eye @ true)
+            image = render([body], replace(camera, world_from_camera=eye), Light(), looks, sensor).image
+            one = sample(Photo(image, camera), paint, index.object_type, true, beside(true, paint, rng), f"{name} {i}")
+            if one is not None:
+                yield one
+
+
+def real(types: dict[str, LearnedIndex], scene: Path, numbers: dict[str, int], count: int) -> Iterator[Sample]:
+    """``count`` poses of each posed object of a scene."""
+    rng = np.random.default_rng(0)
+    for photo, posed in photos(scene, numbers):
+        for name, true in posed:
+            index = types[name]
+            assert index.paint is not None  # noqa: S101 - those that have it
+            for _ in range(count):
+                start = beside(true, index.paint, rng)
+                one = sample(photo, index.paint, index.object_type, true, start, f"{name} {true.tobytes()!r}")
+                if one is not None:
+                    yield one
+
+
+def photos(scene: Path, numbers: dict[str, int]) -> Iterator[tuple[Photo, list[tuple[str, Floats]]]]:
+    """Each photo of a scene with the posed objects of the types by name: name and ``camera_from_object``."""
+    names = {number: name for name, number in numbers.items()}
+    for key, objects in json.loads((scene / "scene_gt.json").read_text()).items():
+        file = next((scene / "rgb").glob(f"{int(key):06d}.*"))
+        rows = [row for row in objects if row["obj_id"] in names]
+        poses = [
+            from_rotation_translation(np.reshape(row["cam_R_m2c"], (3, 3)), np.array(row["cam_t_m2c"]) / 1000.0)
+            for row in rows
+        ]
+        camera = read_camera(scene / "scene_camera.json", frame=int(key))
+        yield Photo(read_image(file), camera), [(names[row["obj_id"]], p) for row, p in zip(rows, poses, strict=True)]
+
+
+def accepted(
+    perceiver: Perceiver, types: dict[str, LearnedIndex], scene: Path, numbers: dict[str, int]
+) -> Iterator[tuple[float, float]]:
+    """``pose_probability`` of what is accepted of posed types, and 1 where it is right, else 0."""
+    for photo, posed in photos(scene, numbers):
+        gamma = detect(photo.image, photo.camera, perceiver.kb.sought, perceiver.kb.words)
+        for row in perceiver(gamma, Options(), photo.image)["hypotheses"]:
+            name, index = row["type"], types.get(row["type"])
+            there = [true for other, true in posed if other == name]
+            if row["status"] == "accepted" and "pose_probability" in row and index is not None and there:
+                assert index.paint is not None  # noqa: S101 - those that have it
+                pose = np.array(row["T_camera_object"])
+                error = min(off(pose, true, index.paint, index.object_type) for true in there)
+                print(f"  {name}: ADD {error:.3f}, P {row['pose_probability']:.3f}")  # noqa: T201 - a script
+                yield row["pose_probability"], float(error < RADIUS)
+
+
+def told(samples: list[Sample], independent: float) -> Floats:
+    """(N,) P(right) of each."""
+    return np.array([share_of(s.found, s.paint, s.pose, s.symmetries, independent) for s in samples])
+
+
+def error(p: Floats, right: Floats) -> float:
+    """Expected calibration error."""
+    parts = np.array_split(np.argsort(p, kind="stable"), BINS)
+    return float(sum(abs(p[some].mean() - right[some].mean()) * len(some) for some in parts if len(some)) / len(p))
+
+
+def loss(p: Floats, right: Floats) -> float:
+    """Mean logarithmic loss, nats."""
+    p = np.clip(p, 0.005, 0.995)
+    return float(-np.mean(np.where(right > 0, np.log(p), np.log(1.0 - p))))
+
+
+def line(samples: list[Sample], independent: float) -> str:
+    """The figures of one scale."""
+    p, right = told(samples, independent), np.array([float(s.right) for s in samples])
+    return f"{independent:g}: {figures(p, right, [s.of for s in samples])}"
+
+
+def figures(p: Floats, right: Floats, names: list[str]) -> str:
+    """Log loss and calibration error, with the interval of the error where those of one name are drawn together."""
+    rng = np.random.default_rng(0)
+    of = np.unique(names, return_inverse=True)[1]
+    again = []
+    for _ in range(AGAIN):
+        some = np.concatenate([np.flatnonzero(of == i) for i in rng.integers(0, of.max() + 1, of.max() + 1)])
+        again.append(error(p[some], right[some]))
+    low, high = np.percentile(again, [2.5, 97.5])
+    means = f"mean P {p.mean():.3f}, right {right.mean():.3f}"
+    return f"log loss {loss(p, right):.3f}, ECE {error(p, right):.3f} ({low:.3f} to {high:.3f}), {means}"
+
+
+def main(kb_folder: str, scene: Path, count: int) -> None:
+    """Print it all."""
+    perceiver = Perceiver(kb_of(kb_folder))
+    types = {n: m for n, m in perceiver.models.items() if isinstance(m, LearnedIndex) and m.paint is not None}
+    known = model_names(scene.parent.parent / "models") | ids_of([kind.name for kind in perceiver.kb.types], {})
+    numbers = {name: known[name] for name in types}
+    key = next(iter(json.loads((scene / "scene_gt.json").read_text())))
+    camera = read_camera(scene / "scene_camera.json", frame=int(key))
+    for name, some in (
+        ("simulated, to calibrate", simulated(types, camera, count, seed=1)),
+        ("simulated, to check", simulated(types, camera, count, seed=2)),
+        ("real", real(types, scene, numbers, count)),
+    ):
+        samples = list(some)
+        print(f"{name}: {len(samples)} poses of {len({s.of for s in samples})} objects; in use {INDEPENDENT:g}")  # noqa: T201 - a script
+        for independent in TRIED:
+            print("  " + line(samples, independent), flush=True)  # noqa: T201
+    rows = np.array(list(accepted(perceiver, types, scene, numbers))).reshape(-1, 2)
+    print(f"accepted: {len(rows)}: {figures(rows[:, 0], rows[:, 1], [str(i) for i in range(len(rows))])}")  # noqa: T201
+
+
+if __name__ == "__main__":
+    parser = argparse.ArgumentParser(description=(__doc__ or "").partition("\n")[0])
+    parser.add_argument("kb", metavar="KB")
+    parser.add_argument("scene", type=Path, metavar="SCENE")
+    parser.add_argument("--count", type=int, default=6, help="photos a type, and poses an object of SCENE")
+    asked = parser.parse_args()
+    main(asked.kb, asked.scene, asked.count)

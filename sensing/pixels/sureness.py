@@ -1,0 +1,112 @@
+"""How surely a pose is right: the share, of all that may be the pose, that is within a radius of it (formalism §9.10).
+
+What may be: the pose, and those that starts beside it (nearer, farther, tilted) settle at, weighed by a softmax of how
+well each fits; and about each of them, its neighbours as wide as its pixels leave it free.
+
+* ``sureness(photo, paint, pose, symmetries, before)``: P(the pose is within ``RADIUS`` of the true one)
+"""
+
+from collections.abc import Sequence
+from functools import cache
+from typing import NamedTuple
+
+import numpy as np
+
+from geometry.arrays import Floats
+from geometry.frames import transform_points
+from geometry.visibility.rays import RayMesh
+from sensing.pixels.crop import crop_of
+from sensing.pixels.drawn import Paint
+from sensing.pixels.energy import choice, fit_of
+from sensing.pixels.photo import Photo
+from sensing.pixels.refine import (
+    COARSE,
+    EXACT,
+    FAR,
+    FINE,
+    FIRST,
+    different,
+    moved,
+    normal,
+    ordered,
+    settled,
+    starts_about,
+)
+
+RADIUS = 0.1
+"""Diameters: mean distance of the surface's places (ADD) within which a pose is right."""
+INDEPENDENT = 1.0
+"""Share of what is in Gauss-Newton's normal matrix that is independent: that of the least calibration error on
+simulated photos (``python benchmarks/pose_odds.py KB SCENE``)."""
+UNLIKELY = 9.0
+"""Fit, below the best, of starts that are not followed to the end: in a softmax less than 1 in 8000."""
+DRAWS, PLACES = 256, 60
+"""Neighbours that are drawn of each pose, and places of the surface that are compared."""
+
+
+class Alternative(NamedTuple):
+    """A pose (4, 4), how well it fits, and Gauss-Newton's normal matrix there (6, 6): expected of a step, and told."""
+
+    pose: Floats
+    score: float
+    expected: Floats
+    told: Floats
+
+
+def sureness(
+    photo: Photo, paint: Paint, pose: Floats, symmetries: Floats, before: Sequence[tuple[RayMesh, Floats]] = ()
+) -> float | None:
+    """P(a pose (4, 4) is within ``RADIUS`` of the true one, given that the object is there); None where it is not seen.
+
+    ``symmetries`` (S, 4, 4): motions of the object's frame that change nothing of it. ``before``: the surfaces of what
+    stands there for sure, and its poses.
+    """
+    found = alternatives(photo, paint, pose, before)
+    return share_of(found, paint, pose, symmetries) if found else None
+
+
+def alternatives(
+    photo: Photo, paint: Paint, pose: Floats, before: Sequence[tuple[RayMesh, Floats]] = ()
+) -> list[Alternative]:
+    """The pose first, then where starts beside it settle, none where one before is; [] where too little is seen."""
+    small, large = (crop_of(photo, paint, pose, size, before) for size in (COARSE, FINE))
+    if small is None or large is None:
+        return []
+    coarse = [settled(small, paint, some, [FIRST, FAR]) for some in starts_about(pose, paint)]
+    found = ordered(small, paint, different(coarse, paint))
+    likely = [some for some, score in found if score >= found[0][1] - UNLIKELY]
+    poses = different([pose, *(settled(large, paint, some, EXACT) for some in likely)], paint)
+    known = [(some, normal(large, paint, some, EXACT[1])) for some in poses]
+    seen = [(some, matrices) for some, matrices in known if matrices is not None]
+    scores = choice([fit_of(large, paint, some) for some, _ in seen])[1] if seen else []
+    return [Alternative(some, score, m[0], m[1]) for (some, m), score in zip(seen, scores, strict=True)]
+
+
+def share_of(
+    found: Sequence[Alternative], paint: Paint, pose: Floats, symmetries: Floats, independent: float = INDEPENDENT
+) -> float:
+    """Of alternatives with their neighbours, the share that is within ``RADIUS`` of a pose, up to symmetry."""
+    places = paint.mesh.vertices[:: max(1, len(paint.mesh.vertices) // PLACES)]
+    turned = np.stack([transform_points(pose @ motion, places) for motion in symmetries])
+    near = RADIUS * paint.diameter
+    shares = []
+    for some in found:
+        steps = np.linalg.solve(np.linalg.cholesky(some.expected + independent * some.told).T, _even().T).T
+        shares.append(np.mean([_off(moved(some.pose, paint.middle, step), places, turned) < near for step in steps]))
+    scores = np.array([some.score for some in found])
+    weights = np.exp(scores - scores.max())
+    return float(np.dot(weights, shares) / weights.sum())
+
+
+def _off(pose: Floats, places: Floats, turned: Floats) -> float:
+    """Mean distance (m) of places at a pose from the nearest of ``turned`` (S, P, 3)."""
+    return float(np.linalg.norm(turned - transform_points(pose, places), axis=2).mean(axis=1).min())
+
+
+@cache
+def _even() -> Floats:
+    """(``DRAWS``, 6) of a standard normal, the same always."""
+    from scipy.special import ndtri
+    from scipy.stats import qmc
+
+    return np.asarray(ndtri(qmc.Sobol(6, scramble=True, rng=0).random(DRAWS)))
