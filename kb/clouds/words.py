@@ -19,6 +19,8 @@ from kb.errors import CloudError
 
 MOST, PER_WORD = 1024, 20
 """Words at most, and descriptors that a word stands for at least, on average."""
+SAMPLE = 40
+"""Descriptors a word, evenly chosen, that k-means goes by at most."""
 MAX_BYTES = 10_000_000
 """Largest ``words.npz``."""
 WIDTHS = {128: "sift", 138: "sift", 32: "orb"}
@@ -95,6 +97,9 @@ def learn_words(descriptors: NDArray[np.uint8], seed: int = 0) -> Words:
     import cv2
 
     count = max(1, min(MOST, len(descriptors) // PER_WORD))
+    most = SAMPLE * count
+    if len(descriptors) > most:
+        descriptors = descriptors[np.linspace(0, len(descriptors) - 1, most).astype(np.intp)]
     spread = _spread(descriptors)
     cv2.setRNGSeed(seed)
     criteria = (cv2.TERM_CRITERIA_MAX_ITER + cv2.TERM_CRITERIA_EPS, 12, 1.0)

@@ -9,6 +9,7 @@ detectors, whatever its colour.
 * ``Trial``: one turn of the shape and how it went, ``Trial(turn, motions, share=0.43, control=0.002, ratio=0.98)``
 """
 
+import io
 import math
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
@@ -20,7 +21,8 @@ from scipy.spatial import cKDTree
 
 from geometry.arrays import Bytes, Floats, Mask
 from geometry.frames import motion_about, quat_xyzw_from_rotation, rotation_angle
-from kb.clouds.learned import LearnedCloud
+from kb.clouds.learned import LearnedCloud, read_arrays
+from kb.errors import CloudError
 from kb.files.schema import SymmetryModel
 from kb.learning.again import ALIKE, differences, flat
 from kb.learning.observations import Observations
@@ -281,3 +283,53 @@ def _middle(held: Sequence[Trial]) -> Floats:
 
 def _plain(values: Floats) -> list[float]:
     return [round(float(value), 6) + 0.0 for value in values]
+
+
+_ROWS = ("axis", "at", "fold", "moves", "share", "control", "ratio", "closes")
+MAX_BYTES = 1_000_000
+"""Largest file of trials."""
+
+
+def trials_bytes(tried: Sequence[Trial]) -> bytes:
+    """Trials as a file, the same for the same ones: arrays, never pickled."""
+    rows: dict[str, Any] = {
+        "axis": np.array([trial.turn.axis for trial in tried], np.float64).reshape(-1, 3),
+        "at": np.array([trial.turn.at for trial in tried], np.float64).reshape(-1, 3),
+        "fold": np.array([trial.turn.fold for trial in tried], np.int64),
+        "moves": np.array([len(trial.motions) for trial in tried], np.int64),
+        "share": np.array([trial.share for trial in tried], np.float64),
+        "control": np.array([trial.control for trial in tried], np.float64),
+        "ratio": np.array([np.nan if trial.ratio is None else trial.ratio for trial in tried], np.float64),
+        "closes": np.array([trial.closes for trial in tried], np.int64),
+        "motions": np.array([motion for trial in tried for motion in trial.motions], np.float64).reshape(-1, 4, 4),
+    }
+    memory = io.BytesIO()
+    np.savez(memory, allow_pickle=False, **rows)
+    return memory.getvalue()
+
+
+def read_trials(content: bytes) -> list[Trial]:
+    """The trials of such a file. Raises CloudError where it is not what was written."""
+    rows = read_arrays(content, (*_ROWS, "motions"), MAX_BYTES)
+    try:
+        ends = np.cumsum(rows["moves"])
+        motions_of = np.split(rows["motions"], ends[:-1]) if len(ends) else []
+        found = [
+            Trial(
+                Turn(tuple(axis), tuple(at), fold),
+                tuple(moves),
+                share,
+                control,
+                None if math.isnan(ratio) else ratio,
+                bool(closes),
+            )
+            for axis, at, fold, share, control, ratio, closes, moves in zip(
+                *(rows[name].tolist() for name in _ROWS if name != "moves"), motions_of, strict=True
+            )
+        ]
+        same = trials_bytes(found) == content
+    except (ValueError, TypeError, IndexError):
+        same = False
+    if not same:
+        raise CloudError("is no file of trials, or not what was written")
+    return found

@@ -6,18 +6,16 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
-from geometry.cones import even_directions
 from kb.clouds.cloud import KnowledgeBase, ObjectType
 from kb.clouds.learned import LearnedCloud, cloud_bytes
-from kb.clouds.words import Words, worded, words_bytes
+from kb.clouds.words import Words, words_bytes
 from kb.files.folder import load
 from kb.learning.compounds import with_parts
-from kb.learning.observations import AWAY, MARGIN, PIXELS, Observations, joined, observed
-from kb.learning.symmetry_trials import DIRECTIONS, Trial, entries, judged, trials
+from kb.learning.symmetry_trials import Trial, entries
 from plogic.base.errors import InputError
-from plogic.face.authoring.kb_learn_look import LOOKED, NoPrintError, detection_by, learned_of
+from plogic.face.authoring.kb_learn_all import WORK, learned, no_print
+from plogic.face.authoring.kb_learn_words import words_of
 from plogic.face.authoring.kb_types import check_own, type_folders, with_entry
 from plogic.face.shown.options import Learning
 from plogic.face.shown.progress import Work
@@ -26,7 +24,6 @@ from plogic.run.sources import kb_of
 from sensing.errors import SensingError
 from sensing.files.whole_files import write_files
 from sensing.simulated.body import read_mesh
-from sensing.simulated.camera import turned
 from sensing.simulated.stage import MAX_TRIANGLES
 
 BY_HAND = "its features were written by hand; learning would replace them: take them out of object.yaml first"
@@ -38,8 +35,8 @@ NO_TEXTURE = (
 NOTHING_NEW = (
     "nothing to learn: every type that can be learned has features already; name those that are to be learned again"
 )
-WORDED = 10.0
-"""What it takes to find the words of a type, in views: 23 s for two types of 80 views, which take 100 s each."""
+WORDED = 30.0
+"""What it takes to find the words of all types, in views: 4 s by two processors, where a view takes 0.2 s by one."""
 NAMED = 20
 """Names that a line lists."""
 
@@ -55,25 +52,23 @@ def learn_command(kb_folder: str, names: Sequence[str], options: Learning, *, sa
     chosen, left_out = _chosen(kb, names)
     check_detector(kb_folder, kb, options.detector, [kind.name for kind in chosen])
     rows, clouds = [], {kind.name: kind.learned for kind in kb.types if kind.learned is not None}
-    places, found = type_folders(folder), {}
-    total = (LOOKED + DIRECTIONS) * len(chosen) + WORDED * len(clouds.keys() | {kind.name for kind in chosen})
-    with Work(total or 1.0, say) as work:
+    files, found = {name: place / "object.yaml" for name, place in type_folders(folder).items()}, {}
+    with Work(WORK * len(chosen) + WORDED, say) as work:
+        open_ = {kind.name for kind in chosen if not stated(files[kind.name])}
+        known = learned(chosen, open_, kb, options, work)
         for kind in chosen:
-            file = places[kind.name] / "object.yaml"
-            try:
-                clouds[kind.name] = with_parts(kind, learned_of(kind, kb, options, work))
-            except NoPrintError as error:
-                left_out[kind.name] = error.why
-                work.skip(DIRECTIONS)
+            cloud, tried = known[kind.name]
+            if cloud is None:
+                left_out[kind.name] = no_print(options.detector)
                 continue
+            clouds[kind.name] = with_parts(kind, cloud)
+            if tried is not None:
+                found[files[kind.name]] = tried
             rows.append(row_of(kind.name, clouds[kind.name]))
-            if not stated(file):
-                found[file] = symmetries_of(kind, clouds[kind.name], options, work)
-            work.step(DIRECTIONS)
-            rows[-1]["symmetries"] = symmetry_rows(found[file]) if file in found else None
+            rows[-1]["symmetries"] = None if tried is None else symmetry_rows(tried)
         if rows:
             work.at("words of all types")
-            words, clouds = worded(clouds, options.seed)
+            words, clouds = words_of(clouds, options.seed)
     _tell_left_out(left_out, nothing=not rows and (bool(names) or not any(kind.features for kind in kb.types)), say=say)
     if rows:
         write_files(written(files_of(folder, words, clouds), found))
@@ -207,36 +202,6 @@ def _named(file: Path, key: str, data: bytes) -> dict[Path, bytes]:
 
 
 KEPT = "symmetries: as object.yaml states them"
-
-
-def symmetries_of(kind: ObjectType, cloud: LearnedCloud, options: Learning, work: Work) -> list[Trial]:
-    """A trial for each turn of the type's shape.
-
-    New pictures of it are taken where the cloud alone does not rule all of them out.
-    """
-    if kind.surface is None:
-        return []
-    cloud = cloud.keypoints
-    groups, directions = trials(cloud, kind.surface), even_directions(DIRECTIONS)
-    if not any(trial.likely for group in groups for trial in group):
-        return judged(groups, cloud, None, directions)
-    work.say(f"{kind.name}: {DIRECTIONS} new pictures, for its symmetries")
-    work.at(f"{kind.name}: symmetries")
-    return judged(groups, cloud, _new_pictures(kind, options, directions), directions)
-
-
-def _new_pictures(kind: ObjectType, options: Learning, directions: NDArray[np.float64]) -> Observations:
-    """What the detector sees from directions that the cloud was not learned from, with other noise."""
-    import cv2
-
-    assert kind.mesh_file is not None  # noqa: S101 - it was learned from it
-    look, threads = detection_by(options.detector), cv2.getNumThreads()
-    cv2.setNumThreads(1)
-    views = turned(read_mesh(kind.mesh_file, kind.mesh_scale), list(directions), PIXELS[0], MARGIN, AWAY)
-    try:
-        return joined([observed(view, number, look, options.seed + 1) for number, view in enumerate(views)])
-    finally:
-        cv2.setNumThreads(threads)
 
 
 def stated(file: Path) -> bool:

@@ -15,7 +15,6 @@ from geometry.camera import camera_to_dict
 from geometry.poses.register import Registration
 from kb.clouds.cloud import KnowledgeBase, ObjectType
 from kb.clouds.learned import LearnedCloud
-from kb.clouds.words import worded
 from kb.files.folder import load
 from kb.intake.new_type import NewType, check_name, new_type
 from kb.intake.source import png, read_source
@@ -23,7 +22,8 @@ from kb.learning.compounds import with_parts
 from kb.learning.photo import PaintedMesh, painted, read_points, registered
 from plogic.base.errors import InputError
 from plogic.face.authoring.kb_learn import BY_HAND, check_detector, files_of, row_of
-from plogic.face.authoring.kb_learn_look import LOOKED, learned_of
+from plogic.face.authoring.kb_learn_all import WORK, learned, no_print
+from plogic.face.authoring.kb_learn_words import words_of
 from plogic.face.authoring.kb_types import check_own, check_places, new_command, type_folders, with_entry, write_types
 from plogic.face.shown.options import Learning, Photo
 from plogic.face.shown.progress import Work
@@ -56,9 +56,12 @@ def learn_photo_command(
         files = _paint_files(mesh, sources.photo.name, kind.mesh_scale)
         for name, data in files.items():
             (Path(folder) / name).write_bytes(data)
-        with Work(LOOKED, say) as work:
+        with Work(WORK, say) as work:
             paint = replace(kind, mesh_file=Path(folder) / PAINT[0])
-            cloud = with_parts(kind, learned_of(paint, kb, options, work, mesh))
+            found_cloud = learned([paint], (), kb, options, work, mesh)[kind.name].cloud
+    if found_cloud is None:
+        raise InputError(f"{kind.name}: {no_print(options.detector)}")
+    cloud = with_parts(kind, found_cloud)
     count = _write(Path(kb_folder), new, kind.name, files, cloud, options.seed)
     return _answer(kb_folder, kind, found, mesh, cloud, count, as_json=options.as_json)
 
@@ -165,7 +168,7 @@ def _write(
     clouds = {kind.name: kind.learned for kind in kb_of(str(kb_folder)).types if kind.learned is not None} | {
         name: cloud
     }
-    words, clouds = worded(clouds, seed)
+    words, clouds = words_of(clouds, seed)
     if new is not None:
         write_types(kb_folder, [new])
     files = files_of(kb_folder, words, clouds)

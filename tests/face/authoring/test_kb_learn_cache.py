@@ -15,13 +15,23 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from painted_cube import write_cube
 from random_cloud import random_cloud
 
 from geometry.files.remembered import OURS, ROOT, cache_folder, source_digest, sources
 from kb.clouds.learned import cloud_bytes, read_cloud
 from kb.errors import CloudError
+from plogic.base.errors import InputError
+from plogic.base.jobs import ChildDiedError
+from plogic.face.authoring import kb_learn_all, kb_learn_words
 from plogic.face.authoring import kb_learn_look as kb_learn_cache
-from plogic.face.authoring.kb_learn_look import DECIDES, key_of
+from plogic.face.authoring.kb_learn_all import kept_cloud, learned
+from plogic.face.authoring.kb_learn_look import DECIDES, fitted, key_of
+from plogic.face.authoring.kb_learn_words import words_of
+from plogic.face.authoring.kb_types import add_command, new_command
+from plogic.face.shown.options import Learning
+from plogic.face.shown.progress import Work
+from plogic.run.sources import kb_of
 from sensing.simulated.body import TexturedMesh
 
 HOW = (600.0, "sift", 0, False)
@@ -159,7 +169,7 @@ def test_a_kept_cloud_in_which_any_bit_is_wrong_is_learned_anew():
     """Also one that makes it the valid file of another cloud, as in the name of an array that need not be there."""
     cloud = replace(random_cloud(1, 3, 3), compound=np.array([1, 1, 0]))
     content = cloud_bytes(cloud)
-    assert cloud_bytes(kb_learn_cache._kept(content)) == content
+    assert kept_cloud(content) == content
     valid = 0
     for place in range(len(content)):
         harmed = content[:place] + bytes([content[place] ^ 1 << place % 8]) + content[place + 1 :]
@@ -167,5 +177,100 @@ def test_a_kept_cloud_in_which_any_bit_is_wrong_is_learned_anew():
             with contextlib.suppress(CloudError):
                 valid += cloud_bytes(read_cloud(harmed)) != content
         with pytest.raises(CloudError):
-            kb_learn_cache._kept(harmed)
+            kept_cloud(harmed)
     assert valid > 0
+
+
+class StoppedError(Exception):
+    """By the user, say."""
+
+
+def steps_of(monkeypatch, most=10**9):
+    """What is asked of processes, of which none is begun.
+
+    Nothing is seen, clouds are made up; it stops after ``most``.
+    """
+    asked = []
+
+    def growing(_, steps, __, then):
+        left = list(steps)
+        while left:
+            if len(asked) == most:
+                raise StoppedError
+            step = left.pop(0)
+            made = cloud_bytes(random_cloud(len(step.name), 3, 3)) if step.call.func is fitted else []
+            asked.append((step.name, "view" if step.part else step.call.func.__name__))
+            left[:0] = then(step, [None] * len(step.part) if step.part else made)
+
+    monkeypatch.setattr(kb_learn_all, "growing", growing)
+    return asked
+
+
+def learn(kb, turned, said=None):
+    with Work(1.0, (said if said is not None else []).append) as work:
+        return learned(kb.types, turned, kb, Learning(), work)
+
+
+def test_who_was_stopped_goes_on_from_what_was_learned(tmp_path, monkeypatch):
+    monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path / "cache"))
+    new_command(tmp_path / "kb", None)
+    for i, name in enumerate(("one", "other")):
+        add_command(name, write_cube(tmp_path, 1.0 + i), "m", tmp_path / "kb", as_json=False)
+    kb = kb_of(str(tmp_path / "kb"))
+    whole = steps_of(monkeypatch)
+    first = learn(kb, {"one"})
+    views = whole.count(("one", "view"))
+    assert views > 0
+    assert whole[views:] == [
+        ("one", "fitted"),
+        ("one", "turns_tried"),
+        *[("other", "view")] * views,
+        ("other", "fitted"),
+    ]
+    monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path / "anew"))
+    stopped = steps_of(monkeypatch, views + 2)
+    with pytest.raises(StoppedError):
+        learn(kb, {"one"})
+    assert stopped == whole[: views + 2]
+    rest, said = steps_of(monkeypatch), []
+    again = learn(kb, {"one"}, said)
+    assert rest == whole[views + 2 :]
+    assert [line.partition(" (")[0] for line in said if "before" in line] == ["one: was learned before"]
+    for name, (cloud, tried) in first.items():
+        assert cloud_bytes(again[name].cloud) == cloud_bytes(cloud)
+        assert again[name].trials == tried
+        assert (tried is None) == (name == "other")
+    nothing = steps_of(monkeypatch)
+    learn(kb, ())
+    assert nothing == []
+
+
+def test_a_process_that_is_killed_is_one_clear_line(tmp_path, monkeypatch):
+    def growing(*_):
+        raise ChildDiedError("signal 9")
+
+    monkeypatch.setattr(kb_learn_all, "growing", growing)
+    new_command(tmp_path / "kb", None)
+    with pytest.raises(InputError, match="was killed, as for lack of memory: fewer --jobs than 2"):
+        learn(kb_of(str(tmp_path / "kb")), ())
+
+
+def test_words_are_made_once_of_the_same_clouds(tmp_path, monkeypatch):
+    monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path))
+    clouds = {name: random_cloud(seed, 30 + seed, 90) for seed, name in enumerate(("b", "a"))}
+    made, worded = [], kb_learn_words.worded
+    monkeypatch.setattr(kb_learn_words, "worded", lambda *some: made.append(some) or worded(*some))
+    first, again = words_of(clouds, 0), words_of(dict(reversed(clouds.items())), 0)
+    expected = worded(clouds, 0)
+    assert len(made) == 1
+    for words, named in (first, again):
+        assert np.array_equal(words.centroids, expected[0].centroids)
+        assert {name: cloud_bytes(cloud) for name, cloud in named.items()} == {
+            name: cloud_bytes(cloud) for name, cloud in expected[1].items()
+        }
+    words_of(clouds, 1)
+    words_of(clouds | {"a": replace(clouds["a"], hit=clouds["a"].hit * 0.5)}, 0)
+    assert len(made) == 3
+    monkeypatch.setattr(kb_learn_words, "cache_folder", lambda _: None)
+    assert words_of(clouds, 0)[0].detector == "sift"
+    assert len(made) == 4

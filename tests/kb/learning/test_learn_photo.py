@@ -78,16 +78,19 @@ def on_faces(at, tolerance=2e-3):
     return np.abs(at - SIDES) < tolerance
 
 
-def in_this_process(done, jobs, _):
-    """As ``afresh``, where what is patched here counts."""
-    yield from map(done, jobs)
+def in_this_process(done, jobs, _, then):
+    """As ``growing``, where what is patched here counts."""
+    left = list(jobs)
+    while left:
+        job = left.pop(0)
+        left[:0] = then(job, done(job))
 
 
 def test_command_learns_what_the_photo_shows(folder, tmp_path, monkeypatch):
-    monkeypatch.setattr("plogic.face.authoring.kb_learn_look.afresh", in_this_process)
+    monkeypatch.setattr("plogic.face.authoring.kb_learn_all.growing", in_this_process)
     monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path / "cache"))
     learning = "kb.learning.observations", "plogic.face.authoring.kb_learn_look"
-    for module in learning:
+    for module in (*learning, "plogic.face.authoring.kb_learn_all"):
         monkeypatch.setattr(f"{module}.DIRECTIONS", 16)
     for module in (*learning, "kb.learning.features"):
         monkeypatch.setattr(f"{module}.PIXELS", (230.0, 160.0))

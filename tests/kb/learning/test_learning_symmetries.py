@@ -13,10 +13,23 @@ from made_meshes import CORNERS, box_triangles
 from random_cloud import random_cloud, unit
 
 from geometry.cones import even_directions
+from kb.errors import CloudError
 from kb.files.schema import SymmetryModel
 from kb.learning import symmetry_trials
 from kb.learning.observations import Observations
-from kb.learning.symmetry_trials import HOLDS, LIKELY, Trial, counterparts, entries, judged, reach_of, share, trials
+from kb.learning.symmetry_trials import (
+    HOLDS,
+    LIKELY,
+    Trial,
+    counterparts,
+    entries,
+    judged,
+    reach_of,
+    read_trials,
+    share,
+    trials,
+    trials_bytes,
+)
 from kb.surfaces.surface import Surface
 from kb.surfaces.symmetries import Turn, motions
 
@@ -170,3 +183,20 @@ def test_the_axes_of_a_ball_do_not_close_and_only_the_first_is_written(monkeypat
     found = judged([[trial(axis, 0, ratio=None)] for axis in (X, Y, Z)], cloud, pictures(cloud), VIEWS)
     assert [one.closes for one in found] == [True, False, False]
     assert [one.verdict for one in found] == ["holds", "ambiguous", "ambiguous"]
+
+
+def test_trials_come_back_from_their_file_and_no_others_do():
+    tried = [
+        Trial(Turn((0.0, 0.0, 1.0), (0.1, 0.2, 0.3), 0), (np.eye(4), np.eye(4) * 2), 0.3, 0.1, 0.97, closes=False),
+        Trial(Turn((0.0, 1.0, 0.0), (0.1, 0.2, 1 / 3), 2), (np.eye(4) / 3,), 0.1, 0.0),
+    ]
+    for some in (tried, tried[1:], []):
+        content = trials_bytes(some)
+        found = read_trials(content)
+        assert trials_bytes(found) == content
+        assert [(str(one.turn), one.verdict, one.ratio, one.closes) for one in found] == [
+            (str(one.turn), one.verdict, one.ratio, one.closes) for one in some
+        ]
+        for i in range(0, len(content), 7):
+            with pytest.raises(CloudError):
+                read_trials(content[:i] + bytes([content[i] ^ 1 << i % 8]) + content[i + 1 :])
