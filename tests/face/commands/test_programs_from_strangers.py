@@ -109,7 +109,10 @@ def test_a_byte_order_mark_is_no_part_of_a_program(tmp_path):
 
 def test_a_proof_too_deep_to_be_told_is_said_so(tmp_path):
     text = "0.5::a.\nn(0) :- a.\nn(N) :- N > 0, M is N - 1, n(M).\n"
-    assert "nested too deeply" in refusal("explain", written(tmp_path, text), "n(500)")
+    file = written(tmp_path, text)
+    assert "nested too deeply" in refusal("explain", file, "n(5000)")
+    told = plogic("explain", file, "n(500)")
+    assert (told.returncode, told.stdout.count("[rule]")) == (0, 501)
 
 
 def test_choices_of_a_consulted_file_are_answered_and_not_explained(tmp_path):
