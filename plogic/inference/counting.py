@@ -11,32 +11,25 @@ from collections.abc import Callable, Sequence
 import numpy as np
 
 from plogic.inference.gates import Literal
-from plogic.inference.graph import Beliefs, Factor, FactorGraph, connected
+from plogic.inference.graph import Beliefs, Factor, FactorGraph, split
 
 Interval = tuple[float, float]
 
 
 def counted(graph: FactorGraph, literals: Sequence[Literal], solve: Callable[[FactorGraph], Beliefs]) -> list[Interval]:
     """P(k of the literals hold), k from 0 to their number; they are of different variables."""
+    left = {literal.variable: literal.states for literal in literals}
     low = high = np.ones(1)
-    for piece in connected(graph):
-        inside = [literal for literal in literals if literal.variable in piece]
+    for part in split(graph)[1]:
+        inside = [Literal(i, left.pop(v)) for i, v in enumerate(part.variables) if v in left]
         if inside:
-            part, number = part_of(graph, piece)
-            mine = solve(with_counter(part, [Literal(number[one.variable], one.states) for one in inside]))
+            alone = FactorGraph(part.cards, tuple(Factor(scope, table) for scope, table in part.tables))
+            mine = solve(with_counter(alone, inside))
             low, high = np.convolve(low, mine.low[-1]), np.convolve(high, mine.high[-1])
+    for states in left.values():  # of one state alone, in no piece
+        certain = np.eye(2)[int(0 in states)]
+        low, high = np.convolve(low, certain), np.convolve(high, certain)
     return [(float(a), min(float(b), 1.0)) for a, b in zip(low, high, strict=True)]
-
-
-def part_of(graph: FactorGraph, variables: Sequence[int]) -> tuple[FactorGraph, dict[int, int]]:
-    """Some whole pieces alone, with the new number of each variable."""
-    number = {v: i for i, v in enumerate(sorted(variables))}
-    factors = tuple(
-        Factor(tuple(number[v] for v in factor.scope), factor.table)
-        for factor in graph.factors
-        if factor.scope and factor.scope[0] in number
-    )
-    return FactorGraph(tuple(graph.cards[v] for v in sorted(variables)), factors), number
 
 
 def with_counter(graph: FactorGraph, literals: Sequence[Literal]) -> FactorGraph:

@@ -18,7 +18,7 @@ def closest(signature: str, defined: Iterable[str]) -> str:
     arities = [arity for name, arity in known if name == wanted]
     if arities:
         return f"; {', '.join(f'{wanted}/{arity}' for arity in arities)} is known"
-    if _COUNTS.search(wanted) and set(defined) >= COUNTING:
+    if _COUNTS.search(wanted) and defined >= COUNTING:
         return f"; {COUNTED}"
     public = sorted({name for name, _ in known if not name.startswith(("_", "plogic "))})
     names = get_close_matches(wanted, public, n=3, cutoff=0.6)

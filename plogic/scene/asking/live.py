@@ -237,8 +237,7 @@ def without(situation: Situation, name: str) -> Situation:
         part,
         hypotheses=tuple(
             replace(
-                h,
-                features=tuple(replace(f, hidden_by=tuple(g for g in f.hidden_by if g != name)) for f in h.features),
+                h, features=tuple(replace(f, hidden_by=tuple(g for g in f.hidden_by if g != name)) for f in h.features)
             )
             for h in part.hypotheses
         ),
