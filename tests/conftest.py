@@ -17,7 +17,7 @@ import pytest
 
 from plogic.logic.safety.author import load_problog
 from plogic.logic.served.engine import through
-from plogic.logic.served.program_child import reply_to
+from plogic.logic.served.program_child import reply_to, serve
 
 load_problog()
 
@@ -35,6 +35,13 @@ def programs_run_here():
     with through(lambda request: json.loads(json.dumps(reply_to(json.loads(json.dumps(request)))))):
         yield
     sys.setrecursionlimit(depth)
+
+
+@pytest.fixture
+def served_here():
+    """Requests are served by the same code as in the child process, without starting one for each."""
+    with through(serve):
+        yield
 
 
 def pytest_unconfigure():

@@ -24,8 +24,6 @@ from plogic.base.errors import InconsistentError
 from plogic.logic.answers import intervals as anytime
 from plogic.logic.answers import intervals as bounds
 from plogic.logic.answers import state_ranking as ranking
-from plogic.logic.served.engine import through
-from plogic.logic.served.program_child import serve
 from plogic.scene.asking.live import LiveScene
 from plogic.scene.worlds.ranked_worlds import ranked_worlds
 
@@ -33,11 +31,7 @@ QUICK = settings(max_examples=80, deadline=None, derandomize=True, suppress_heal
 ROUNDING = 1e-10
 
 
-@pytest.fixture(autouse=True)
-def _in_this_process():
-    """The same code as in the child process, without starting one for every question."""
-    with through(serve):
-        yield
+pytestmark = pytest.mark.usefixtures("served_here")
 
 
 def holds(interval, exact):

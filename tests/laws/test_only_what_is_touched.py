@@ -16,7 +16,7 @@ from situations import feature, hypothesis, random_situations, situation
 
 from plogic.base.errors import InconsistentError
 from plogic.face.session.session import Session
-from plogic.logic.served.engine import Process, Text, through
+from plogic.logic.served.engine import Process, Text
 from plogic.logic.served.program_child import serve
 from plogic.scene.asking.live import LiveScene
 
@@ -24,11 +24,7 @@ QUICK = settings(max_examples=40, deadline=None, derandomize=True, suppress_heal
 EVIDENCE = ("present(h1)", "\\+ present(h2)", "noise(a0)", "\\+ noise(a1)", "case(H, F, a)", "present(h1) ; noise(a2)")
 
 
-@pytest.fixture(autouse=True)
-def _in_this_process():
-    """The same code as in the child process, without starting one for every question."""
-    with through(serve):
-        yield
+pytestmark = pytest.mark.usefixtures("served_here")
 
 
 def everything(live):

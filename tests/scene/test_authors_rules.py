@@ -8,8 +8,7 @@ from stock_worlds import assert_same_worlds
 
 from plogic.base.errors import InconsistentError, NegativeCycleError, OutsideError, ProgramError
 from plogic.facts.spatial import Space
-from plogic.logic.served.engine import Text, through
-from plogic.logic.served.program_child import serve
+from plogic.logic.served.engine import Text
 from plogic.scene.asking.explanations import explain, present
 from plogic.scene.asking.live import LiveScene, scene_answers
 from plogic.scene.asking.query import answers, answers_until
@@ -30,11 +29,7 @@ constraint(dry(X)) :- slips(X), detected(X, F), feature(X, F, corner).
 GOALS = ("present(H)", "wet", "constraint(N)", "slips(X)", "present(a), wet")
 
 
-@pytest.fixture(autouse=True)
-def _in_this_process():
-    """The same code as in the child process, without starting one for every example."""
-    with through(serve):
-        yield
+pytestmark = pytest.mark.usefixtures("served_here")
 
 
 def pair(reading="score", mode="to_B", **changes):

@@ -16,8 +16,6 @@ from test_space_against_problog import with_space
 from plogic.base.errors import InconsistentError
 from plogic.facts.situation import names_of
 from plogic.logic.safety.mapping import shown
-from plogic.logic.served.engine import through
-from plogic.logic.served.program_child import serve
 from plogic.scene.asking.query import answers
 from plogic.scene.worlds.ranked_worlds import ranked_worlds
 
@@ -26,11 +24,7 @@ READINGS = ("score", "posterior")
 MODES = ("to_B", "drop", "reassign")
 
 
-@pytest.fixture(autouse=True)
-def _in_this_process():
-    """The same code as in the child process, without starting one for every example."""
-    with through(serve):
-        yield
+pytestmark = pytest.mark.usefixtures("served_here")
 
 
 def scene(seed, reading, rules):

@@ -20,8 +20,6 @@ from plogic.base.errors import InconsistentError, SituationError
 from plogic.facts.situation import names_of
 from plogic.facts.spatial import Foot, Gravity
 from plogic.inference.marginals import beliefs
-from plogic.logic.served.engine import through
-from plogic.logic.served.program_child import serve
 from plogic.scene.asking.live import LiveScene, scene_answers
 from plogic.scene.asking.query import answers
 from plogic.scene.asking.relevant import relevant
@@ -39,11 +37,7 @@ QUICK = settings(
 SEEDS = st.integers(0, 9999)
 
 
-@pytest.fixture(autouse=True)
-def _in_this_process():
-    """The same code as in the child process, without starting one for every example."""
-    with through(serve):
-        yield
+pytestmark = pytest.mark.usefixtures("served_here")
 
 
 def stock(subject, goals):

@@ -14,8 +14,7 @@ from tangles import tangle
 
 from plogic.base.errors import InconsistentError, OutsideError, UnknownPredicateError
 from plogic.facts.situation import names_of
-from plogic.logic.served.engine import Text, run, through
-from plogic.logic.served.program_child import serve
+from plogic.logic.served.engine import Text, run
 from plogic.scene.asking.live import LiveScene, scene_answers
 from plogic.scene.asking.query import answers
 from plogic.scene.text.program_text import program_text
@@ -32,11 +31,7 @@ GIVEN = (
 )  # fmt: skip
 
 
-@pytest.fixture(autouse=True)
-def _in_this_process():
-    """The same code as in the child process, without starting one for every example."""
-    with through(serve):
-        yield
+pytestmark = pytest.mark.usefixtures("served_here")
 
 
 def stock(subject, goals, evidence):

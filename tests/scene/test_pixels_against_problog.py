@@ -18,8 +18,7 @@ from stock_worlds import assert_same_worlds, stock
 
 from plogic.facts.pixel_table import PixelTable, table_of
 from plogic.facts.sanity import faults
-from plogic.logic.served.engine import run, through
-from plogic.logic.served.program_child import serve
+from plogic.logic.served.engine import run
 from plogic.scene.asking.live import scene_answers, without
 from plogic.scene.asking.presence import contributions, presence
 from plogic.scene.asking.query import answers
@@ -37,11 +36,7 @@ QUICK = settings(
 SEEDS = st.integers(0, 9999)
 
 
-@pytest.fixture(autouse=True)
-def _in_this_process():
-    """The same code as in the child process, without starting one for every example."""
-    with through(serve):
-        yield
+pytestmark = pytest.mark.usefixtures("served_here")
 
 
 def marginal(subject, name="h1"):

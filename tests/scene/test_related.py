@@ -11,8 +11,6 @@ from hypothesis import strategies as st
 from situations import random_situations, towers
 
 from plogic.base.errors import InconsistentError
-from plogic.logic.served.engine import through
-from plogic.logic.served.program_child import serve
 from plogic.scene.asking.explanations import explain, present
 from plogic.scene.asking.query import answers
 from plogic.scene.asking.related import related
@@ -21,11 +19,7 @@ LAW = settings(max_examples=30, deadline=None, derandomize=True, suppress_health
 GIVEN = ((), ("present(h1)",), ("\\+ present(h0)",), ("noise(a0)",))
 
 
-@pytest.fixture(autouse=True)
-def _in_this_process():
-    """The same code as in the child process, without starting one for every example."""
-    with through(serve):
-        yield
+pytestmark = pytest.mark.usefixtures("served_here")
 
 
 def number_after(word, line):

@@ -12,18 +12,11 @@ from geometry.visibility.roc import ROC20, converse
 from plogic.facts.sanity import faults
 from plogic.facts.situation import EvidenceFact, names_of, pair_facts
 from plogic.logic.safety.mapping import shown
-from plogic.logic.served.engine import through
-from plogic.logic.served.program_child import serve
 from plogic.scene.asking.query import answers, answers_to_all
 from plogic.scene.asking.relevant import relevant
 from plogic.scene.text.program_text import program_text
 
-
-@pytest.fixture(autouse=True)
-def _in_this_process():
-    """The same code as in the child process, without starting one for every question."""
-    with through(serve):
-        yield
+pytestmark = pytest.mark.usefixtures("served_here")
 
 
 PAIR = (("h2", "h1"),)

@@ -15,8 +15,7 @@ from stock_worlds import evaluated
 from plogic.base.errors import InconsistentError
 from plogic.facts.situation import names_of
 from plogic.facts.spatial import BodyFact, Space
-from plogic.logic.served.engine import Text, through
-from plogic.logic.served.program_child import serve
+from plogic.logic.served.engine import Text
 from plogic.scene.asking.live import LiveScene, scene_answers
 from plogic.scene.asking.query import answers
 from plogic.scene.asking.relevant import relevant
@@ -30,11 +29,7 @@ GOALS = (
 RULES = "handy(X, Y) :- near(X, Y, 0.8), in_view_of_camera(X), \\+ above(X, Y)."
 
 
-@pytest.fixture(autouse=True)
-def _in_this_process():
-    """The same code as in the child process, without starting one for every example."""
-    with through(serve):
-        yield
+pytestmark = pytest.mark.usefixtures("served_here")
 
 
 def with_space(subject, seed):
