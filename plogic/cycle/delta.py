@@ -7,7 +7,8 @@ before it is not looked at. The relation of two wholes is in ``relations_of``.
 """
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
-from dataclasses import dataclass, field
+from contextlib import closing
+from dataclasses import dataclass, field, replace
 from itertools import combinations
 from typing import NamedTuple
 
@@ -21,10 +22,12 @@ from geometry.visibility.outline import Area
 from geometry.visibility.roc import Roc
 from kb.clouds.cloud import KnowledgeBase
 from kb.surfaces.surface import Surface
+from plogic.base.jobs import each
 from plogic.cycle.lumped import compound_parts, counts, lumped, told, told_as, types_told
 from plogic.cycle.placing import gravity_of_view, space_of_view
 from plogic.cycle.state import Cycle, Trace
 from plogic.facts.hypothesis import FeatureFact, Hypothesis, part_facts
+from plogic.facts.pixel_table import PixelTable
 from plogic.facts.situation import AppearanceFact, DvOver, PairFact, Reading, Reconsider, Situation, pair_facts
 from plogic.facts.spatial import Space
 from plogic.match.gamma.data import Data
@@ -166,8 +169,6 @@ def delta_of(
     posed = {name: some.told(hidden=_hidden(name, posed, hiding, rivals)) for name, some in posed.items()}
     group = instances({name: some.type for name, some in posed.items()}, exclusive)
     rates = {name: fitted(some, data, kb, some.hidden) for name, some in posed.items()}
-    if models:
-        posed = _pictured(posed, group, overlaps, data, models)
     rows = zip(data.ids, data.types, data.uv.tolist(), clutter_density(kb, data).tolist(), strict=True)
     hypotheses = tuple(
         _hypothesis(name, some, group[name], hiding, rates[name], data, dv) for name, some in posed.items()
@@ -194,6 +195,30 @@ def delta_of(
         ),
         dv,
     )
+
+
+def pictured(delta: Delta, data: Data, models: Mapping[str, TypeModel], processes: int) -> Delta:
+    """Δh, each hypothesis told what the photo says of it beside those that can be present with it (§9.10).
+
+    ``processes`` share in looking.
+    """
+    if data.photo is None:
+        return delta
+    posed, overlaps = delta.beliefs, delta.situation.overlaps
+
+    def looked(name: str) -> tuple[PixelTable | None, float | None]:
+        some = posed[name]
+        apart = {other for pair in overlaps if name in pair for other in pair}
+        others = {y: g for y, g in posed.items() if y != name and y not in apart and g.group != some.group}
+        told = models[some.type].pictured(some, others, data)
+        return told.pixel_table, told.pose_probability
+
+    with closing(each(looked, list(posed), processes)) as found:
+        told = tuple(
+            some.told(pixel_table=table, pose_probability=sure)
+            for some, (table, sure) in zip(posed.values(), found, strict=True)
+        )
+    return replace(delta, situation=replace(delta.situation, hypotheses=told))
 
 
 def _share_volume(one: Hypothesis, other: Hypothesis) -> bool:
@@ -242,22 +267,6 @@ def _hidden(
         if not rival and some.status == "accepted" and some.opaque:
             mask |= hiding[name, other]
     return mask
-
-
-def _pictured(
-    posed: Mapping[str, Hypothesis],
-    group: Mapping[str, str],
-    overlaps: frozenset[tuple[str, str]],
-    data: Data,
-    models: Mapping[str, TypeModel],
-) -> dict[str, Hypothesis]:
-    """The hypotheses, each told what the photo says of it beside those that can be present with it (§9.10)."""
-    result = {}
-    for name, some in posed.items():
-        apart = {other for pair in overlaps if name in pair for other in pair}
-        others = {y: g for y, g in posed.items() if y != name and y not in apart and group[y] != group[name]}
-        result[name] = models[some.type].pictured(some, others, data)
-    return result
 
 
 def _hypothesis(

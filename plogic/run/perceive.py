@@ -13,7 +13,7 @@ from kb.clouds.cloud import KnowledgeBase
 from plogic.base.clock import Stopwatch
 from plogic.base.errors import InconsistentError, InputError
 from plogic.base.jobs import processors
-from plogic.cycle.delta import Delta, Options, delta_of
+from plogic.cycle.delta import Delta, Options, delta_of, pictured
 from plogic.cycle.judging import over_instances
 from plogic.cycle.perception import Seed, perceive
 from plogic.cycle.state import Cycle, Task
@@ -133,6 +133,7 @@ class Perceiver:
         with clock.stage("facts"):
             cycle, dv = over_instances(cycle, self.kb) if options.dv_over == "instances" else (cycle, self.dv)
             delta = delta_of(cycle, data, self.kb, dv, options, models=self.models)
+            delta = pictured(delta, data, self.models, self.processes)
         return delta, cycle.rejected, cycle.trace.document()
 
     def cycle(
