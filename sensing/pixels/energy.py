@@ -29,12 +29,16 @@ WHOLE = 0.4
 """Share of the square over its larger side that a body covers: all of its print is that of so many pixels."""
 
 
-ODDS = -11.4, 4.2, 2.6, 51.2, 5.3
-"""What is told of a fit that is not there at all, and by a unit of edges, region, print and correlation
-(``python benchmarks/pixel_odds.py KB SCENE``, on the five photos of `ycb`)."""
-SUREST, BEYOND = (-12.0, 8.0), 0.5
-"""Pixels are not independent: so much is believed of them at most, either way; and of what is beyond, which tells one
-pose from another, such a share."""
+ODDS = -11.3, 5.7, 4.6, 36.9, 3.4
+"""What is told of a fit that is not there at all, by a unit of edges, of region, of print up to ``FIRM``, and of print
+beyond it (``python benchmarks/pixel_odds.py KB SCENE``)."""
+FIRM = 0.3
+"""Print that is hardly ever met by chance alone; with an outline as well, the object is there."""
+HALF = 0.5
+"""Share of its outline in sight from which it owes all of an outline; of what is less in sight less is expected, and
+of what is wholly hidden nothing is told."""
+LEAST = -12.0
+"""So much is believed against an object at most: pixels are not independent."""
 
 
 class Fit(NamedTuple):
@@ -57,9 +61,14 @@ class Fit(NamedTuple):
     @property
     def odds(self) -> float:
         """Logarithm of how much likelier such a fit is of an object that is there than of none."""
-        told = ODDS[0] + ODDS[1] * self.edges + ODDS[2] * self.region + ODDS[4] * self.correlation
-        odds = self.visible * told + ODDS[3] * self.print_
-        return max(SUREST[0], min(odds, SUREST[1]) + BEYOND * max(0.0, odds - SUREST[1]))
+        return max(LEAST, float(np.dot(ODDS, self.told)))
+
+    @property
+    def told(self) -> tuple[float, ...]:
+        """(5,) what the weights ``ODDS`` are of."""
+        firm = min(self.print_, FIRM)
+        owed = min(1.0, self.visible / HALF)
+        return owed, self.visible * self.edges, self.visible * self.region, firm, self.print_ - firm
 
 
 NO_FIT = Fit(-9.0, -9.0, 0.0, 0.0, 0.0)

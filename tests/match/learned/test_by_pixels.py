@@ -34,6 +34,16 @@ def accepted(perceiver, gamma, image=None):
     return data, list(cycle.accepted)
 
 
+def one_behind(perceiver):
+    """Data, the cube that is found in them, and a hypothesis of the same outline farther away."""
+    image = picture([TRUE], seed=3)
+    data, [found] = accepted(perceiver, gamma_of(perceiver, image), image)
+    farther = TRUE.copy()
+    farther[:3, 3] *= 1.3
+    behind = perceiver.models["cube"].settle(farther, data, perceiver.kb, rounds=0)
+    return data, found, behind.told(pixels=30.0)
+
+
 def off(pose):
     vertices = cube().vertices
     apart = transform_points(pose, vertices) - transform_points(TRUE, vertices)
@@ -75,12 +85,8 @@ def test_a_photo_of_something_else_costs_what_only_keypoints_see(perceiver):
 
 def test_a_pixel_counts_once_for_what_stands_in_front(perceiver):
     """A hypothesis behind the cube, of the same outline and print, is told with the cube masked: nothing is left."""
-    image = picture([TRUE], seed=3)
-    data, [found] = accepted(perceiver, gamma_of(perceiver, image), image)
+    data, found, behind = one_behind(perceiver)
     index = perceiver.models["cube"]
-    farther = TRUE.copy()
-    farther[:3, 3] *= 1.3
-    behind = index.settle(farther, data, perceiver.kb, rounds=0).told(pixels=30.0)
     assert index.beside(behind, [], data).pixels == 30.0
     assert abs(index.beside(behind, [found], data).pixels) < 3.0
     assert index.beside(found, [behind], data).pixels == pytest.approx(found.pixels, abs=3.0)
@@ -124,12 +130,8 @@ def test_the_program_is_told_of_matches_what_they_say_alone(perceiver):
 
 def test_pixels_are_told_by_who_is_before(perceiver):
     """One behind the cube has a line for the cube's absence and one for its presence; the cube is before nobody."""
-    image = picture([TRUE], seed=3)
-    data, [found] = accepted(perceiver, gamma_of(perceiver, image), image)
+    data, found, behind = one_behind(perceiver)
     index = perceiver.models["cube"]
-    farther = TRUE.copy()
-    farther[:3, 3] *= 1.3
-    behind = index.settle(farther, data, perceiver.kb, rounds=0).told(pixels=30.0)
     table = index.pictured(behind, {"h1": found}, data).pixel_table
     assert table.occluders == ("h1",)
     assert table.odds[1] == index.beside(behind, [found], data).pixels
