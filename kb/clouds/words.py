@@ -20,8 +20,8 @@ from kb.errors import CloudError
 MOST, PER_WORD = 1024, 20
 """Words at most, and descriptors that a word stands for at least, on average."""
 SAMPLE = 40
-"""Descriptors a word, evenly chosen, that k-means goes by at most: a ninth of the time that all of 21 scanned types take,
-and what is seen is 3 % farther from its word."""
+"""Descriptors a word, evenly chosen, that k-means goes by at most: of 21 scanned types in a ninth of the time that
+all take, and what is seen is 3 % farther from its word."""
 MAX_BYTES = 10_000_000
 """Largest ``words.npz``."""
 WIDTHS = {128: "sift", 138: "sift", 32: "orb"}

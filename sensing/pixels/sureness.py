@@ -105,8 +105,10 @@ def _off(pose: Floats, places: Floats, turned: Floats) -> float:
 
 @cache
 def _even() -> Floats:
-    """(``DRAWS``, 6) of a standard normal, the same always."""
+    """(``DRAWS``, 6) of a standard normal, the same always: evenly spread, by the powers of the root of x⁷ = x + 1."""
     from scipy.special import ndtri
-    from scipy.stats import qmc
 
-    return np.asarray(ndtri(qmc.Sobol(6, scramble=True, rng=0).random(DRAWS)))
+    root = 1.0
+    for _ in range(40):
+        root = (1.0 + root) ** (1.0 / 7.0)
+    return np.asarray(ndtri((0.5 + np.outer(np.arange(1, DRAWS + 1), root ** -np.arange(1.0, 7.0))) % 1.0))
