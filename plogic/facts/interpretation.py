@@ -174,14 +174,19 @@ def _feature(f: FeatureRow) -> FeatureFact:
 
 
 def found_and_usual(rows: Sequence[FeatureRow | LookedRow]) -> tuple[int, int, int] | None:
+    """``beside_usual`` of a document's features."""
+    some = [f for f in rows if "learned_rate" in f and f.get("stands_for", 1) == 1 and f.get("expected")]
+    return beside_usual([(f["learned_rate"], bool(f.get("detected"))) for f in some])
+
+
+def beside_usual(expected: Sequence[tuple[float, bool]]) -> tuple[int, int, int] | None:
     """Features of a learned type that are found and that are expected, and how many of these were found in learning.
 
-    Most visual words come and go from picture to picture: without the third number the first two say little. None of a
-    type written by hand.
+    ``expected``: of each the rate of learning, and whether it is found. Most visual words come and go from picture to
+    picture: without the third number the first two say little. None of a type written by hand.
     """
-    some = [f for f in rows if "learned_rate" in f and f.get("stands_for", 1) == 1 and f.get("expected")]
-    usual = round(sum(f["learned_rate"] for f in some))
-    return (sum(bool(f.get("detected")) for f in some), len(some), usual) if some else None
+    usual = round(sum(rate for rate, _ in expected))
+    return (sum(found for _, found in expected), len(expected), usual) if expected else None
 
 
 def hypothesis_document(h: Hypothesis, cases: Mapping[str, tuple[bool, bool, Case | None]]) -> HypothesisFacts:

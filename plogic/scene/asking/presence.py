@@ -20,6 +20,7 @@ import numpy as np
 from geometry.arrays import Floats, Mask
 from plogic.facts.dependence import Scene
 from plogic.facts.hypothesis import FeatureFact, Hypothesis
+from plogic.facts.interpretation import beside_usual
 from plogic.facts.situation import OTHERS, Situation
 from plogic.facts.spatial import words_of_shared
 from plogic.measures.explanatory import case_of
@@ -128,12 +129,12 @@ def _score(view: View) -> Iterator[str]:
 def _usual(view: View) -> Iterator[str]:
     """How many features of a learned type are found, beside how many were when it was learned."""
     rows = [f for f in view.h.features if f.learned_rate is not None and f.stands_for == 1 and f.in_image]
-    seen = [(f, cells(view.scene, view.h, f, view.present)) for f in rows]
-    expected = [(f, bool(cell.detected[0])) for f, cell in seen if cell.expected[0]]
-    if expected:
-        usual = round(sum(f.learned_rate or 0.0 for f, _ in expected))
+    seen = [(f.learned_rate or 0.0, cells(view.scene, view.h, f, view.present)) for f in rows]
+    counts = beside_usual([(rate, bool(cell.detected[0])) for rate, cell in seen if cell.expected[0]])
+    if counts is not None:
+        found, expected, usual = counts
         yield (
-            f"  to compare: {sum(found for _, found in expected)} of {len(expected)} expected features are found; when its"
+            f"  to compare: {found} of {expected} expected features are found; when its"
             f" type was learned, {usual} of them were found from there: most visual words come and go"
         )
 
