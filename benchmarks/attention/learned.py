@@ -50,7 +50,7 @@ def learned_kb(say: Callable[[str], None], seed: int = 0) -> KnowledgeBase | Non
 
 def pictures(kb: KnowledgeBase, count: int, seed: int) -> list[tuple[Gamma, tuple[Truth, ...]]]:
     """What the detector reports in pictures of three of the types, and what stands there."""
-    from benchmarks.tabletop.scene import recognition_scene
+    from benchmarks.tabletop.scene import Arrangement, recognition_scene
     from sensing.detectors.detector import detect
     from sensing.files.images import read_image
     from sensing.simulated.body import read_mesh
@@ -62,7 +62,11 @@ def pictures(kb: KnowledgeBase, count: int, seed: int) -> list[tuple[Gamma, tupl
         for i in range(count):
             number, hard = FIRST + count * seed + i, HARD[i % len(HARD)]
             some = case(
-                recognition_scene(shapes, number, bodies=(3, 3), hard=hard), Path(folder) / str(i), number, hard, {}
+                recognition_scene(shapes, number, arranged=Arrangement(bodies=(3, 3)), hard=hard),
+                Path(folder) / str(i),
+                number,
+                hard,
+                {},
             )
             found.append((detect(read_image(some.image), some.camera, kb.sought, kb.words), some.truths))
     return found

@@ -17,9 +17,10 @@ from plogic.face.shown.overlay import LARGE
 from plogic.face.shown.pencil import WHITE, Box, Colour, Pencil, beside
 
 if TYPE_CHECKING:
-    from collections.abc import Collection, Mapping, Sequence
+    from collections.abc import Mapping, Sequence
 
-    from benchmarks.photos.score import Posed
+    from benchmarks.photos.answers import Shown
+    from benchmarks.photos.score import Posed, Told
     from geometry.arrays import Bytes, Floats
     from geometry.camera import Camera
     from geometry.visibility.rays import RayMesh
@@ -31,27 +32,24 @@ LEGEND = "dashed: the truth; green: right; orange: found; red: neither"
 
 
 def drawn(
-    image: Bytes,
-    camera: Camera,
+    shown: Shown,
     answers: Sequence[Posed],
-    truths: Sequence[Posed],
-    unposed: Collection[int],
-    rows: Sequence[tuple[int, float | None, float | None]],
+    rows: Sequence[Told],
     surfaces: Mapping[int, RayMesh],
     names: Mapping[int, str],
 ) -> Bytes:
     """The photo (H, W, 3) with the outlines, doubled where it is small.
 
-    ``rows`` of ``benchmarks.photos.score.counted``: of each truth its number, error and overlap; ``unposed``: types
-    that are there without a pose.
+    ``rows``: of each truth its number, error and overlap.
     """
+    camera, truths = shown.camera, shown.truths
     scale = 1 if camera.width >= LARGE else 2
-    picture = np.asarray(cv2.resize(image, None, fx=scale, fy=scale, interpolation=cv2.INTER_CUBIC), np.uint8)
+    picture = np.asarray(cv2.resize(shown.image, None, fx=scale, fy=scale, interpolation=cv2.INTER_CUBIC), np.uint8)
     pencil = Pencil(picture, scale)
     told = {number: (error, overlap) for number, error, overlap in rows}
     labels: list[tuple[str, Colour, list[Floats]]] = []
     for answer in answers:
-        text, colour = _verdict(*told.get(answer.obj_id, (None, None)), there=answer.obj_id in unposed)
+        text, colour = _verdict(*told.get(answer.obj_id, (None, None)), there=answer.obj_id in shown.neither)
         rings = _rings(answer, surfaces[answer.obj_id], camera)
         labels.append((f"{names[answer.obj_id]}: {text}", colour, rings))
         for ring in rings:

@@ -29,6 +29,8 @@ OUTLINED = 0.7
 """Intersection over union of the outlines from which it is found."""
 POINTS = 1000
 """Of a model, evenly chosen, that errors are taken over."""
+Told = tuple[int, float | None, float | None]
+"""A truth's number, its error and its overlap; None where nothing of its type was accepted."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -67,11 +69,29 @@ def error_of(answer: Posed, truth: Posed, model: Model) -> float:
     return float(np.ravel(measure(one, other, points))[0]) / model.diameter
 
 
-def overlap_of(answer: Posed, truth: Posed, surface: RayMesh, camera: Camera) -> float:
-    """Intersection over union of the outlines, whole, whatever hides them."""
+def overlap_of(
+    answer: Posed, truth: Posed, surface: RayMesh, camera: Camera, other_surface: RayMesh | None = None
+) -> float:
+    """Intersection over union of the outlines, whole, whatever hides them.
+
+    ``other_surface``: the truth's, where it is of another type.
+    """
     size = camera.width, camera.height
-    one, other = (np.isfinite(depth_of(surface, some.camera_from_object, camera.K, size)) for some in (answer, truth))
+    pairs = (surface, answer), (other_surface or surface, truth)
+    one, other = (np.isfinite(depth_of(own, some.camera_from_object, camera.K, size)) for own, some in pairs)
     return float((one & other).sum() / max(int((one | other).sum()), 1))
+
+
+def asked(
+    answers: Sequence[Posed], truths: Sequence[Posed], hidden: Sequence[Posed], models: Mapping[int, Model]
+) -> tuple[Posed, ...]:
+    """The answers but those that stand for an object that is too ``hidden`` to be asked for: nearer to it by ADD."""
+
+    def nearest(answer: Posed, some: Sequence[Posed]) -> float:
+        own = [one for one in some if one.obj_id == answer.obj_id]
+        return min((error_of(answer, one, models[one.obj_id]) for one in own), default=np.inf)
+
+    return tuple(a for a in answers if nearest(a, hidden) >= nearest(a, truths))
 
 
 def counted(
@@ -81,12 +101,12 @@ def counted(
     models: Mapping[int, Model],
     surfaces: Mapping[int, RayMesh],
     camera: Camera,
-) -> tuple[Counts, list[tuple[int, float | None, float | None]]]:
-    """One photo's counts; and of each truth its error and its overlap, None where nothing of its type was accepted.
+) -> tuple[Counts, list[Told]]:
+    """One photo's counts; and of each truth what stands for it.
 
     ``unposed``: types that are there without a pose: what is accepted of them is neither right nor false.
     """
-    rows: list[tuple[int, float | None, float | None]] = []
+    rows: list[Told] = []
     right = found = 0
     for truth in truths:
         own = [answer for answer in answers if answer.obj_id == truth.obj_id]

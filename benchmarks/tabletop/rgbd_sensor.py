@@ -1,6 +1,6 @@
 """What the colour camera of an RGB-D sensor does to the light.
 
-Over-exposure, blur, vignetting, noise, a tone curve, JPEG.
+Over-exposure, blur, vignetting, noise, a tone curve, sharpening, JPEG.
 
 * ``RgbdSensor(noise=6, blur=0.9, gain=1.4, jpeg=75)``
 """
@@ -19,6 +19,9 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
 
+SHARPENED = 1.0
+
+
 @dataclass(frozen=True)
 class RgbdSensor(Sensor):
     """``noise``, ``blur`` and ``seed`` as of any sensor, and more that is at its best by default.
@@ -30,6 +33,7 @@ class RgbdSensor(Sensor):
         direction: Of the motion, radians from the image's x towards its y.
         vignette: Share of the light that is lost in the corners.
         jpeg: Quality of the compression, 1 to 100; 0 for none.
+        sharpening: How much of what a blur of ``SHARPENED`` pixels takes away is added once more, as cameras do.
     """
 
     gain: float = 1.0
@@ -38,6 +42,7 @@ class RgbdSensor(Sensor):
     direction: float = 0.0
     vignette: float = 0.0
     jpeg: int = 0
+    sharpening: float = 0.0
 
 
 def random_sensor(rng: np.random.Generator, hard: float) -> RgbdSensor:
@@ -79,7 +84,10 @@ def sensed(picture: NDArray[np.float32], sensor: RgbdSensor) -> NDArray[np.uint8
         )
     noise = np.random.default_rng([sensor.seed, 2]).standard_normal(light.shape, dtype=np.float32)
     clipped = np.clip(light + sensor.noise * noise, 0, 255) / 255
-    image = np.rint(255 * clipped**sensor.gamma).astype(np.uint8)
+    toned = 255 * clipped**sensor.gamma
+    if sensor.sharpening > 0:
+        toned = np.clip(toned + sensor.sharpening * (toned - cv2.GaussianBlur(toned, (0, 0), SHARPENED)), 0, 255)
+    image = np.rint(toned).astype(np.uint8)
     if not sensor.jpeg:
         return image
     done, data = cv2.imencode(".jpg", image, [cv2.IMWRITE_JPEG_QUALITY, sensor.jpeg])

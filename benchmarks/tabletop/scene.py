@@ -2,7 +2,8 @@
 
 * ``recognition_scene([("cracker", mesh), ...], seed=5000, hard=0.5)``
 
-Seeds 0 to 59 are the benchmark's (``plogic bench recognition``). Develop on seeds from 5000 on.
+Seeds 0 to 59 are the benchmark's (``plogic bench recognition``), those from 20000 on ``plogic bench photos
+--simulated``'s. Develop on seeds from 5000 on.
 
 How much of each body a camera sees, by rays: the share of its own picture that the others leave visible.
 
@@ -63,6 +64,20 @@ TWINS = 0.15
 ARRANGEMENTS, VIEWS = 60, 16
 
 
+@dataclass(frozen=True)
+class Arrangement:
+    """How things lie and are seen: how many, how far away (m), how long (pixels), and the chance of a crowded scene.
+
+    ``packages``: chances of none, one, two and so on that are of no type.
+    """
+
+    bodies: tuple[int, int] = (3, 5)
+    distance: tuple[float, float] = DISTANCE
+    pixels: tuple[float, float] = PIXELS
+    crowded: float = CROWDED
+    packages: tuple[float, ...] = (0.4, 0.4, 0.2)
+
+
 @dataclass(frozen=True, eq=False)
 class TabletopScene(Scene):
     """A scene whose surroundings are a table and whose sensor is an RGB-D camera's; drawn by rays."""
@@ -79,44 +94,46 @@ def recognition_scene(
     shapes: Sequence[tuple[str, TexturedMesh]],
     seed: int,
     *,
-    bodies: tuple[int, int] = (3, 5),
+    arranged: Arrangement = Arrangement(),
     empty: bool = False,
     hard: float = 0.5,
 ) -> TabletopScene:
-    """From ``bodies[0]`` to ``bodies[1]`` of the shapes and up to two packages of no type.
+    """So many of the shapes and packages of no type as are ``arranged``: three to five, and up to two packages.
 
     ``empty`` scenes have two to four packages, and no shape.
 
     ``hard`` in [0, 1]: from a good camera in good light to noise, blur, over-exposure and a lamp of any colour. Every
-    shape is in view whole, 60 to 200 pixels long, 0.5 to 1.2 m away. The same arguments give the same scene.
+    shape is in view whole, unless it is said otherwise 60 to 200 pixels long, 0.5 to 1.2 m away. The same arguments
+    give the same scene.
 
     Raises:
         SceneError: No such scene was found in 60 arrangements, each seen from 16 places.
     """
     rng = np.random.default_rng([seed, 5])
-    crowded = bool(rng.random() < CROWDED)
+    crowded = bool(rng.random() < arranged.crowded)
     for _ in range(ARRANGEMENTS):
-        things = _packages(rng, int(rng.integers(2, 5))) if empty else _chosen(shapes, rng, bodies)
+        things = _packages(rng, int(rng.integers(2, 5))) if empty else _chosen(shapes, rng, arranged)
         placed = put_down(things, rng, spread=0.12 if crowded else 0.2)
-        found = _viewed(placed, rng, crowded=crowded and not empty) if placed else None
+        found = _viewed(placed, rng, arranged, crowded=crowded and not empty) if placed else None
         if placed and found:
             camera, fractions = found
             return TabletopScene(
                 placed, camera, _light(rng, hard), _table(rng, camera, hard), random_sensor(rng, hard), fractions
             )
+    few, many = arranged.bodies
     raise SceneError(
-        f"no table-top scene of {bodies[0]} to {bodies[1]} of {len(shapes)} shapes was found in {ARRANGEMENTS} arrangements"
+        f"no table-top scene of {few} to {many} of {len(shapes)} shapes was found in {ARRANGEMENTS} arrangements"
     )
 
 
 def _chosen(
-    shapes: Sequence[tuple[str, TexturedMesh]], rng: np.random.Generator, bodies: tuple[int, int]
+    shapes: Sequence[tuple[str, TexturedMesh]], rng: np.random.Generator, arranged: Arrangement
 ) -> list[tuple[str | None, TexturedMesh]]:
-    number = int(rng.integers(bodies[0], bodies[1] + 1))
+    number = int(rng.integers(arranged.bodies[0], arranged.bodies[1] + 1))
     order = rng.permutation(len(shapes))[:number].tolist()
     if len(order) > 1 and rng.random() < TWINS:
         order[-1] = order[0]
-    return [*(shapes[i] for i in order), *_packages(rng, int(rng.choice(3, p=(0.4, 0.4, 0.2))))]
+    return [*(shapes[i] for i in order), *_packages(rng, int(rng.choice(len(arranged.packages), p=arranged.packages)))]
 
 
 def _packages(rng: np.random.Generator, number: int) -> list[tuple[str | None, TexturedMesh]]:
@@ -124,13 +141,13 @@ def _packages(rng: np.random.Generator, number: int) -> list[tuple[str | None, T
 
 
 def _viewed(
-    bodies: Sequence[Body], rng: np.random.Generator, *, crowded: bool
+    bodies: Sequence[Body], rng: np.random.Generator, arranged: Arrangement, *, crowded: bool
 ) -> tuple[Camera, tuple[float, ...]] | None:
     """A camera that sees them as wanted, with the visible fractions; None if 16 places of chance give none."""
     typed = [i for i, body in enumerate(bodies) if body.label is not None] or list(range(len(bodies)))
     for _ in range(VIEWS):
-        camera = _aimed([bodies[i] for i in typed], rng)
-        if not all(_fits(bodies[i], camera) for i in typed):
+        camera = _aimed([bodies[i] for i in typed], rng, arranged.distance)
+        if not all(_fits(bodies[i], camera, arranged) for i in typed):
             continue
         fractions = seen_fractions(bodies, camera)
         mine = [fractions[i] for i in typed]
@@ -139,12 +156,12 @@ def _viewed(
     return None
 
 
-def _aimed(bodies: Sequence[Body], rng: np.random.Generator) -> Camera:
+def _aimed(bodies: Sequence[Body], rng: np.random.Generator, distance: tuple[float, float]) -> Camera:
     points = np.concatenate([b.vertices_world for b in bodies])
     middle = (points.min(axis=0) + points.max(axis=0)) / 2
     elevation, azimuth = np.radians(rng.uniform(*ELEVATION)), rng.uniform(0, 2 * np.pi)
     side = np.array([np.cos(azimuth) * np.cos(elevation), np.sin(azimuth) * np.cos(elevation), np.sin(elevation)])
-    eye = middle + rng.uniform(*DISTANCE) * side
+    eye = middle + rng.uniform(*distance) * side
     angle, f = np.radians(rng.uniform(-8, 8)), rng.uniform(*FOCAL)
     roll = np.eye(4)
     roll[:2, :2] = [[np.cos(angle), -np.sin(angle)], [np.sin(angle), np.cos(angle)]]
@@ -153,14 +170,15 @@ def _aimed(bodies: Sequence[Body], rng: np.random.Generator) -> Camera:
     return Camera(640, 480, np.array([[f, 0, centre[0]], [0, f, centre[1]], [0, 0, 1]]), np.zeros(0), world_from_camera)
 
 
-def _fits(body: Body, camera: Camera) -> bool:
+def _fits(body: Body, camera: Camera, arranged: Arrangement) -> bool:
     """Whether it is in view whole, at a size and distance as wanted."""
     low, high = bounds(body, camera)
     away = np.linalg.norm(
         transform_points(inverse(np.asarray(camera.world_from_camera)), body.vertices_world).mean(axis=0)
     )
     inside = (low >= MARGIN).all() and (high <= (camera.width - 1 - MARGIN, camera.height - 1 - MARGIN)).all()
-    return bool(inside and PIXELS[0] <= (high - low).max() <= PIXELS[1] and DISTANCE[0] <= away <= DISTANCE[1])
+    (small, large), (near, far) = arranged.pixels, arranged.distance
+    return bool(inside and small <= (high - low).max() <= large and near <= away <= far)
 
 
 def _light(rng: np.random.Generator, hard: float) -> Light:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -9,7 +10,7 @@ import pytest
 
 from benchmarks.tabletop.patterns import PATTERNS, pattern, printed_box, printed_can, random_package, words
 from benchmarks.tabletop.rgbd_sensor import RgbdSensor, _streak, random_sensor, sensed
-from benchmarks.tabletop.scene import bounds, hull, recognition_scene, seen_fractions
+from benchmarks.tabletop.scene import Arrangement, bounds, hull, recognition_scene, seen_fractions
 from benchmarks.tabletop.table import Table, photographed
 from geometry.camera import Camera
 from geometry.frames import inverse, is_rigid, look_at, transform_points
@@ -201,7 +202,7 @@ def test_what_hides_a_body_is_in_its_fraction():
 
 @pytest.mark.parametrize("seed", [5000, 5001, 5003])
 def test_a_table_top_scene_is_as_it_was_asked_for(seed):
-    scene = recognition_scene(shapes(), seed, bodies=(2, 3), hard=0.5)
+    scene = recognition_scene(shapes(), seed, arranged=Arrangement(bodies=(2, 3)), hard=0.5)
     labelled = [i for i, b in enumerate(scene.bodies) if b.label is not None]
     assert 2 <= len(labelled) <= 3
     assert [b.label for b in scene.bodies[len(labelled) :]] == [None] * (len(scene.bodies) - len(labelled))
@@ -219,7 +220,9 @@ def test_a_table_top_scene_is_as_it_was_asked_for(seed):
 
 
 def test_the_same_seed_gives_the_same_table_top_and_another_does_not():
-    first, second, other = (recognition_scene(shapes(), seed, bodies=(2, 2)) for seed in (5004, 5004, 5005))
+    first, second, other = (
+        recognition_scene(shapes(), seed, arranged=Arrangement(bodies=(2, 2))) for seed in (5004, 5004, 5005)
+    )
     assert np.array_equal(first.camera_from_bodies, second.camera_from_bodies)
     assert first.surroundings == second.surroundings
     assert first.sensor == second.sensor
@@ -244,9 +247,18 @@ def test_real_meshes_make_a_scene():
     from sensing.simulated.body import read_mesh
 
     real = [(n, read_mesh(YCB / n / "textured.obj")) for n in ("003_cracker_box", "025_mug", "077_rubiks_cube")]
-    scene = recognition_scene(real, 5010, bodies=(3, 3), hard=1.0)
+    scene = recognition_scene(real, 5010, arranged=Arrangement(bodies=(3, 3)), hard=1.0)
     picture = scene.photograph(1)
     assert picture.image.shape == (480, 640, 3)
     assert {b.label for b in scene.bodies} - {None} <= {n for n, _ in real}
     seen = [(picture.segmentation == i).sum() for i, f in enumerate(scene.fractions) if f > 0.4]
     assert min(seen) > 300
+
+
+def test_sharpening_raises_the_step_at_an_edge():
+    picture = np.full((20, 20, 3), 80, np.float32)
+    picture[:, 10:] = 160
+    sharp = sensed(picture, replace(CLEAN, sharpening=1.0))
+    assert (sharp[:, 9] < 80).all()
+    assert (sharp[:, 10] > 160).all()
+    assert (sharp[:, 0] == 80).all()

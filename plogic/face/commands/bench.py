@@ -24,6 +24,15 @@ SIZED = (
 )
 COMPARED = "towers", "worlds", "programs", "recognition", "box", "clutter", "many", "calibration", "batch", "start"
 BENCHES = *COMPARED, *SIZED
+OWN = {
+    "picture": (("box", "calibration"), "--picture: `{}` draws none; `box` and `calibration` do"),
+    "pictures": (("photos",), "--pictures: `{}` draws none; `photos` does"),
+    "peer": (("start",), "--peer: `{}` has none of this kind; `start` has"),
+    "kb": (("photos",), "--kb: `{}` learns its own; `photos` takes one"),
+    "part": (("photos",), "--simulated, --without: `{}` has no such parts; `photos` has"),
+    "count": (("photos",), "--count: `{}` has no such pictures; `photos` has"),
+}
+"""Options that some benchmarks alone take: which, and what is said to others."""
 
 
 @click.command()
@@ -56,22 +65,37 @@ BENCHES = *COMPARED, *SIZED
     type=click.Path(path_type=Path),
     help="Console script of another plogic, run in turn with ours by `start`.",
 )
+@click.option(
+    "--kb",
+    type=click.Path(path_type=Path, file_okay=False),
+    help="Folder of the KBs of `photos`, named `ycb` and `lmo`: what is not there is learned into it.",
+)
+@click.option(
+    "--simulated", "part", flag_value="simulated", help="Of `photos`: rendered pictures with the troubles of photos."
+)
+@click.option(
+    "--without",
+    "part",
+    flag_value="without",
+    help="Of `photos`: each type left out, and what is accepted in its place.",
+)
+@click.option("--count", type=click.IntRange(1), help="Pictures of `photos --simulated`; 100, with --quick 12.")
 @click.option("--seed", type=SEED, default=0, show_default=True)
 @AS_JSON
-def bench(name: str, scenes: int, limit: float, seed: int, *, quick: bool, as_json: bool, **drawn: Path | None) -> None:
+def bench(name: str, scenes: int, limit: float, seed: int, *, quick: bool, as_json: bool, **own: Any) -> None:  # noqa: ANN401 - options of single benchmarks
     """Run one of the project's own benchmarks; it ends with its claims."""
     if quick and name == "towers":
         raise click.UsageError("--quick: `towers` takes --scenes")
-    if drawn["picture"] is not None and name not in {"box", "calibration"}:
-        raise click.UsageError(f"--picture: `{name}` draws none; `box` and `calibration` do")
-    if drawn["pictures"] is not None and name != "photos":
-        raise click.UsageError(f"--pictures: `{name}` draws none; `photos` does")
-    if drawn["peer"] is not None and name != "start":
-        raise click.UsageError(f"--peer: `{name}` has none of this kind; `start` has")
-    pictured, sized = {"quick": quick, "picture": drawn["picture"]}, {"quick": quick}
+    for option, (some, why) in OWN.items():
+        if own[option] is not None and name not in some:
+            raise click.UsageError(why.format(name))
+    if own["count"] is not None and own["part"] != "simulated":
+        raise click.UsageError("--count: pictures are counted with --simulated")
+    pictured, sized = {"quick": quick, "picture": own["picture"]}, {"quick": quick}
     others: dict[str, dict[str, Any]] = {"towers": {"scenes": scenes}, "box": pictured, "calibration": pictured}
     others |= dict.fromkeys(SIZED, sized)
-    others |= {"start": sized | {"peer": drawn["peer"]}, "photos": sized | {"pictures": drawn["pictures"]}}
+    photos = {option: own[option] for option in ("pictures", "kb", "part", "count")}
+    others |= {"start": sized | {"peer": own["peer"]}, "photos": sized | photos}
     options: dict[str, Any] = others.get(name, {"limit": limit, "quick": quick})
     text, met = import_module(f"benchmarks.{name.replace('-', '_')}.bench").run(
         seed=seed, **options, as_json=as_json, say=say

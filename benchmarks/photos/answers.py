@@ -1,0 +1,107 @@
+"""What is made of a photo: what is accepted and what the document claims.
+
+* ``Shown``: a photo with its truth; ``Answer``: what perception came to
+"""
+
+from __future__ import annotations
+
+from time import perf_counter
+from typing import TYPE_CHECKING, NamedTuple
+
+import numpy as np
+
+from benchmarks.photos.score import Posed
+from benchmarks.photos.told import forecasts, type_of
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator, Mapping
+
+    from benchmarks.photos.told import Forecast
+    from geometry.arrays import Bytes
+    from geometry.camera import Camera
+    from kb.clouds.cloud import KnowledgeBase
+    from plogic.facts.document import Interpretation
+    from plogic.run.bop.dataset import Dataset
+    from plogic.run.bop.models import Model
+
+VISIBLE = 0.1
+"""What is less visible is not asked for."""
+
+
+class Shown(NamedTuple):
+    """A photo (H, W, 3), and what is there: asked for, too hidden to be asked for, and there without a pose."""
+
+    name: str
+    image: Bytes
+    camera: Camera
+    truths: tuple[Posed, ...]
+    hidden: tuple[Posed, ...] = ()
+    unposed: tuple[int, ...] = ()
+
+    @property
+    def neither(self) -> frozenset[int]:
+        """Types that are there, of which what is accepted is neither right nor false."""
+        return frozenset(self.unposed) | {some.obj_id for some in self.hidden}
+
+
+class Answer(NamedTuple):
+    """What was accepted, in how many seconds, and what the document claims with what came of it."""
+
+    shown: Shown
+    ours: tuple[Posed, ...]
+    seconds: float
+    told: tuple[Forecast, ...]
+
+    def said(self, names: Mapping[int, str]) -> str:
+        """A line of progress."""
+        found = ", ".join(names[some.obj_id] for some in self.ours) or "nothing"
+        return f"photo {self.shown.name}: {found} in {self.seconds:.1f} s"
+
+
+def photos_of(dataset: Dataset) -> Iterator[Shown]:
+    """The photos of a BOP dataset; ``present.json`` beside a scene names what is there without a pose."""
+    from plogic.run.bop.json_files import numbered
+
+    for scene_id, im_id in dataset.listed()[0]:
+        scene = dataset.scene(scene_id)
+        frame = scene.frame(im_id)
+        truths: tuple[list[Posed], list[Posed]] = [], []
+        for truth in scene.truths(im_id) or ():
+            hidden = truth.visible is not None and truth.visible < VISIBLE
+            truths[hidden].append(Posed(truth.obj_id, truth.camera_from_object))
+        beside = scene.folder / "present.json"
+        unposed = tuple(numbered(beside).get(im_id, ())) if beside.exists() else ()
+        yield Shown(f"{scene_id}/{im_id}", frame.image, frame.camera, tuple(truths[0]), tuple(truths[1]), unposed)
+
+
+class Looker:
+    """A knowledge base that is asked what photos show, its types known by BOP numbers.
+
+    Raises InputError where no detector reports a type of it.
+    """
+
+    def __init__(self, kb: KnowledgeBase, numbers: Mapping[str, int]) -> None:
+        from plogic.run.perceive import perceiver_of
+
+        self.kb, self.numbers = kb, {kind.name: numbers[kind.name] for kind in kb.types if kind.name in numbers}
+        self._perceiver = perceiver_of(kb)
+
+    def answer(self, shown: Shown, models: Mapping[int, Model]) -> Answer:
+        """Perceive a photo; seconds are those until it is known what is accepted."""
+        from plogic.base.clock import Stopwatch
+        from plogic.cycle.delta import Options
+        from plogic.run.sources import detected
+
+        options, clock = Options(reading="posterior"), Stopwatch()
+        start = perf_counter()
+        gamma = detected(shown.image, shown.camera, self.kb, clock)
+        found = self._perceiver.cycle(gamma, options, clock, image=shown.image)
+        seconds = perf_counter() - start
+        document = self._perceiver.document(gamma, *found, options, shown.image, clock)
+        told = forecasts(document, self.numbers, shown, models)
+        return Answer(shown, self.accepted(document), seconds, tuple(told))
+
+    def accepted(self, document: Interpretation) -> tuple[Posed, ...]:
+        """The accepted objects of types that have a number."""
+        rows = [(type_of(h), h) for h in document["hypotheses"] if h["status"] == "accepted"]
+        return tuple(Posed(self.numbers[t], np.array(h["T_camera_object"])) for t, h in rows if t in self.numbers)

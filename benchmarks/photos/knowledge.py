@@ -1,0 +1,53 @@
+"""The knowledge base of a dataset's models: learned anew, or read where it has been kept; and with some types only."""
+
+from __future__ import annotations
+
+import tempfile
+from contextlib import contextmanager
+from dataclasses import replace
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from plogic.face.shown.options import Learning
+from plogic.run.bop.models import ids_of, model_names
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Collection, Iterator
+
+    from kb.clouds.cloud import KnowledgeBase
+
+
+@contextmanager
+def known(
+    models: Path, kept: Path | None, seed: int, say: Callable[[str], None]
+) -> Iterator[tuple[KnowledgeBase, dict[str, int]]]:
+    """The knowledge base of all the models, and the BOP number of each of its types.
+
+    ``kept``: the folder where it is read from, or, where there is none, written to; None for one that is dropped.
+
+    Raises:
+        InputError: Nothing can be learned of the models. KBError: what is kept is no knowledge base.
+    """
+    from kb.files.read import read_kb
+
+    with tempfile.TemporaryDirectory(prefix="plogic-photos-") as place:
+        folder = kept or Path(place) / "kb"
+        if not folder.exists():
+            _learn(folder, models, seed, say)
+        kb = read_kb(folder)
+        numbers = model_names(models) | ids_of([kind.name for kind in kb.types], {})
+        yield kb, {kind.name: numbers[kind.name] for kind in kb.types if kind.name in numbers}
+
+
+def _learn(folder: Path, models: Path, seed: int, say: Callable[[str], None]) -> None:
+    from plogic.face.authoring.kb_learn import learn_command
+    from plogic.face.authoring.kb_types import import_command
+
+    folder.parent.mkdir(parents=True, exist_ok=True)
+    import_command(models, folder, None, as_json=False)
+    learn_command(str(folder), [], Learning(detector="sift", jobs=2, seed=seed), say=say)
+
+
+def of_types(kb: KnowledgeBase, names: Collection[str]) -> KnowledgeBase:
+    """Σ with these types alone; its words stay."""
+    return replace(kb, types=tuple(kind for kind in kb.types if kind.name in names))

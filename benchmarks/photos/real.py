@@ -1,0 +1,74 @@
+"""Real photos with posed objects, beside SIFT's ratio test with RANSAC on the same learned keypoints.
+
+The peer has the setting that is best over these very photos.
+"""
+
+from __future__ import annotations
+
+from statistics import median
+from typing import TYPE_CHECKING, Any
+
+from benchmarks.photos import told
+from benchmarks.photos.answers import Looker, photos_of
+from benchmarks.photos.knowledge import known
+from benchmarks.photos.score import Posed
+from benchmarks.photos.table import Report, draw, measure_of, row, seconds_of, wrong
+from benchmarks.recognition.peer import SEEN, Peer, accepted, settings
+from benchmarks.shared.claims import Claim
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+    from pathlib import Path
+
+    from benchmarks.photos.answers import Shown
+    from benchmarks.recognition.peer import Candidates
+    from plogic.run.bop.dataset import Dataset
+
+RIGHT = {"ycb": 11, "lmo": 10}
+FOUND = {"ycb": 11, "lmo": 20}
+"""How many the issue on real photos asks for, of 12 and of 89."""
+CALIBRATED = 0.08
+
+
+def of_dataset(
+    dataset: Dataset, name: str, kept: Path | None, seed: int, say: Callable[[str], None], pictures: Path | None
+) -> Report:
+    """Every photo of a dataset; ``kept``: its learned knowledge base; ``pictures``: their folder."""
+    assert dataset.models is not None  # noqa: S101 - it has been opened as a whole dataset with models
+    answers, peers = [], []
+    with known(dataset.models, kept, seed, say) as (kb, numbers):
+        measure = measure_of(kb, numbers, dataset.models)
+        looker = Looker(kb, numbers)
+        peer = Peer({kind.name: kind.learned.keypoints for kind in kb.types if kind.learned is not None}, SEEN[:1])
+        for shown in photos_of(dataset):
+            answers.append(looker.answer(shown, measure.models))
+            peers.append(peer.candidates(shown.image, shown.camera))
+            say(answers[-1].said(measure.names))
+
+    def theirs(candidates: Candidates, setting: Any) -> list[Posed]:  # noqa: ANN401 - the peer's
+        return [Posed(numbers[f.type], f.camera_from_object) for f in accepted(candidates, setting)]
+
+    shown_all: list[Shown] = [a.shown for a in answers]
+    mine = measure.total((a.shown, a.ours) for a in answers)
+    tried = [
+        measure.total((shown, theirs(p, setting)) for shown, (p, _) in zip(shown_all, peers, strict=True))
+        for setting in settings(SEEN[:1])
+    ]
+    best = max(tried, key=lambda c: c.right - c.false)
+    if pictures is not None:
+        draw(measure, answers, name, pictures)
+    claimed = [f for a in answers for f in a.told]
+    claims = [
+        Claim(f"{name}: right, of {mine.there}", ">=", RIGHT[name], mine.right),
+        Claim(f"{name}: found", ">=", FOUND[name], mine.found),
+        Claim(f"{name}: precision", ">=", 0.9, mine.precision),
+        Claim(f"{name}: accepted of types that are not there", "<=", 0, mine.false),
+        Claim(f"{name}: seconds a photo, median", "<=", 2.0, seconds_of(answers)),
+        *told.claims(name, claimed, CALIBRATED),
+    ]
+    rows = [
+        row(f"{name}, ours", mine, seconds_of(answers)),
+        row(f"{name}, peer", best, median(spent[SEEN[0]] for _, spent in peers)),
+    ]
+    more = {"not right": [{"of": name, **one} for one in wrong(measure, answers)], "claimed": told.rows(name, claimed)}
+    return Report(rows, more, claims)
