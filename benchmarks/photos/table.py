@@ -14,6 +14,7 @@ if TYPE_CHECKING:
 
     from benchmarks.photos.answers import Answer, Shown
     from benchmarks.photos.score import Posed
+    from benchmarks.photos.told import Forecast
     from benchmarks.shared.claims import Claim
     from geometry.visibility.rays import RayMesh
     from kb.clouds.cloud import KnowledgeBase
@@ -21,11 +22,12 @@ if TYPE_CHECKING:
 
 
 class Report(NamedTuple):
-    """Of one dataset: the rows, further tables by name, and the claims."""
+    """Of one dataset: the rows, further tables by name, the claims, and what documents claimed, with the outcome."""
 
     rows: list[dict[str, Any]]
     more: dict[str, list[dict[str, Any]]]
     claims: list[Claim]
+    told: tuple[Forecast, ...] = ()
 
 
 class Measure(NamedTuple):

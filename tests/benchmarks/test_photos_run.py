@@ -36,7 +36,7 @@ def test_photos_are_counted_claimed_and_drawn(one):
         assert row["low"] <= row["ECE"] == pytest.approx(1.0 - row["mean P"], abs=0.001)
     bars = {claim["claim"]: claim for claim in found["claims"]}
     assert bars["ycb: right, of 2"]["value"] == 2
-    assert bars["ycb: ECE, its pose is right"]["bar"] == "<= 0.08"
+    assert bars["photos: ECE, its pose is right"]["bar"] == "<= 0.08"
     assert sorted(p.name for p in (one / "pictures").iterdir()) == ["ycb_1_1.png", "ycb_1_2.png"]
     assert done.stderr.count("photo 1/") == 2
 
