@@ -86,9 +86,9 @@ def wrong(measure: Measure, answers: Sequence[Answer]) -> list[dict[str, Any]]:
     rows = []
     for a in answers:
         rows += [
-            {"photo": a.shown.name, "type": measure.names[number], "error": error, "overlap": overlap}
-            for number, error, overlap in measure.counted(a.shown, a.ours)[1]
-            if error is None or error >= RIGHT
+            {"photo": a.shown.name, "type": measure.names[told.obj_id], "error": told.error, "overlap": told.overlap}
+            for told in measure.counted(a.shown, a.ours)[1]
+            if told.error is None or told.error >= RIGHT
         ]
         there = {some.obj_id for some in a.shown.truths} | a.shown.neither
         rows += [

@@ -47,6 +47,9 @@ def test_simulated_pictures_are_as_many_as_asked_and_the_same_again(one):
     rows = {row["row"]: row for row in found["rows"]}
     assert rows["ycb, printed"]["there"] == rows["ycb, all"]["there"] >= 2
     assert rows["ycb, plain"]["there"] == 0
+    sized = found["right by size"]
+    assert sum(row["there"] for row in sized) == rows["ycb, all"]["there"]
+    assert sum(row["right"] for row in sized) == rows["ycb, all"]["right"]
     assert {row["claim"] for row in found["reliability"]} <= {row["claim"] for row in found["claimed"]}
     again, _ = ran(one, "--simulated", "--count", "2")
     for row in (*found["rows"], *again["rows"]):
