@@ -7,9 +7,9 @@ from __future__ import annotations
 
 import os
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
-from benchmarks.photos.real import of_dataset
+from benchmarks.photos.real import of_all, of_dataset
 from benchmarks.photos.simulated import of_pictures
 from benchmarks.photos.without import of_left_out
 from benchmarks.shared.claims import report
@@ -52,21 +52,22 @@ def run(
             pictures.mkdir(parents=True, exist_ok=True)
     except OSError as error:
         raise InputError(f"{pictures}: cannot be made: {error.strerror}") from None
-    rows, claims = [], []
-    more: dict[str, list[dict[str, object]]] = {}
+    reports = []
     for name in SETS[:1] if quick or part == SIMULATED else SETS:
         if not (FOLDER / name).is_dir():
             raise InputError(f"{FOLDER / name}: there are no such photos: PLOGIC_PHOTOS may name their folder")
         dataset, kept = open_dataset(FOLDER / name), None if kb is None else kb / name
         if part == SIMULATED:
             number = count or (QUICK_PICTURES if quick else PICTURES)
-            found = of_pictures(dataset, name, kept, seed, number, say, pictures)
+            reports.append(of_pictures(dataset, name, kept, seed, number, say, pictures))
         elif part == WITHOUT:
-            found = of_left_out(dataset, name, kept, seed, say)
+            reports.append(of_left_out(dataset, name, kept, seed, say))
         else:
-            found = of_dataset(dataset, name, kept, seed, say, pictures)
-        rows += found.rows
-        claims += found.claims
-        for key, table in found.more.items():
-            more.setdefault(key, []).extend(table)
+            reports.append(of_dataset(dataset, name, kept, seed, say, pictures))
+    if part is None:
+        reports.append(of_all(reports))
+    more: dict[str, list[dict[str, Any]]] = {}
+    for key, table in (item for one in reports for item in one.more.items()):
+        more.setdefault(key, []).extend(table)
+    rows, claims = [row for one in reports for row in one.rows], [claim for one in reports for claim in one.claims]
     return report("photos", rows, claims, as_json=as_json, more=more)

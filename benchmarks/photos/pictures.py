@@ -40,23 +40,24 @@ def drawn(
 ) -> Bytes:
     """The photo (H, W, 3) with the outlines, doubled where it is small.
 
-    ``rows``: of each truth its number, error and overlap.
+    ``rows``: of each truth what stands for it.
     """
-    camera, truths = shown.camera, shown.truths
+    camera = shown.camera
     scale = 1 if camera.width >= LARGE else 2
     picture = np.asarray(cv2.resize(shown.image, None, fx=scale, fy=scale, interpolation=cv2.INTER_CUBIC), np.uint8)
     pencil = Pencil(picture, scale)
-    told = {number: (error, overlap) for number, error, overlap in rows}
     labels: list[tuple[str, Colour, list[Floats]]] = []
     for answer in answers:
-        text, colour = _verdict(*told.get(answer.obj_id, (None, None)), there=answer.obj_id in shown.neither)
+        text, colour = _verdict(
+            next((row for row in rows if row.answer is answer), None), there=answer.obj_id in shown.neither
+        )
         rings = _rings(answer, surfaces[answer.obj_id], camera)
         labels.append((f"{names[answer.obj_id]}: {text}", colour, rings))
         for ring in rings:
             pencil.stroke(ring.tolist(), colour, 2, dashed=False)
-    for truth in truths:  # on top: what is right is seen between its dashes
+    for truth, row in zip(shown.truths, rows, strict=True):  # on top: what is right is seen between its dashes
         rings = _rings(truth, surfaces[truth.obj_id], camera)
-        if told[truth.obj_id][0] is None:
+        if row.answer is None:
             labels.append((f"{names[truth.obj_id]}: missed", WHITE, rings))
         for ring in rings:
             pencil.stroke(ring.tolist(), WHITE, 2, dashed=True)
@@ -64,11 +65,11 @@ def drawn(
     return picture
 
 
-def _verdict(error: float | None, overlap: float | None, *, there: bool) -> tuple[str, Colour]:
-    if error is None or overlap is None:
+def _verdict(row: Told | None, *, there: bool) -> tuple[str, Colour]:
+    if row is None or row.error is None or row.overlap is None:
         return ("there, its pose is not known", WHITE) if there else ("not there", RED)
-    colour = GREEN if error < RIGHT else ORANGE if overlap >= OUTLINED else RED
-    return f"ADD {error:.3f}, overlap {overlap:.2f}", colour
+    colour = GREEN if row.error < RIGHT else ORANGE if row.overlap >= OUTLINED else RED
+    return f"ADD {row.error:.3f}, overlap {row.overlap:.2f}", colour
 
 
 def _rings(posed: Posed, surface: RayMesh, camera: Camera) -> list[Floats]:

@@ -17,7 +17,7 @@ from benchmarks.recognition.peer import SEEN, Peer, accepted, settings
 from benchmarks.shared.claims import Claim
 
 if TYPE_CHECKING:
-    from collections.abc import Callable
+    from collections.abc import Callable, Sequence
     from pathlib import Path
 
     from benchmarks.photos.answers import Shown
@@ -57,18 +57,24 @@ def of_dataset(
     best = max(tried, key=lambda c: c.right - c.false)
     if pictures is not None:
         draw(measure, answers, name, pictures)
-    claimed = [f for a in answers for f in a.told]
+    claimed = tuple(f._replace(photo=f"{name} {f.photo}") for a in answers for f in a.told)
     claims = [
         Claim(f"{name}: right, of {mine.there}", ">=", RIGHT[name], mine.right),
         Claim(f"{name}: found", ">=", FOUND[name], mine.found),
         Claim(f"{name}: precision", ">=", 0.9, mine.precision),
         Claim(f"{name}: accepted of types that are not there", "<=", 0, mine.false),
         Claim(f"{name}: seconds a photo, median", "<=", 2.0, seconds_of(answers)),
-        *told.claims(name, claimed, CALIBRATED),
     ]
     rows = [
         row(f"{name}, ours", mine, seconds_of(answers)),
         row(f"{name}, peer", best, median(spent[SEEN[0]] for _, spent in peers)),
     ]
     more = {"not right": [{"of": name, **one} for one in wrong(measure, answers)], "claimed": told.rows(name, claimed)}
-    return Report(rows, more, claims)
+    return Report(rows, more, claims, claimed)
+
+
+def of_all(reports: Sequence[Report]) -> Report:
+    """The claims of documents over all datasets: of one alone they are few."""
+    claimed = [f for some in reports for f in some.told]
+    more = {"claimed": told.rows("all", claimed)} if len(reports) > 1 else {}
+    return Report([], more, told.claims("photos", claimed, CALIBRATED))

@@ -8,7 +8,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, fields
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
@@ -29,8 +29,6 @@ OUTLINED = 0.7
 """Intersection over union of the outlines from which it is found."""
 POINTS = 1000
 """Of a model, evenly chosen, that errors are taken over."""
-Told = tuple[int, float | None, float | None]
-"""A truth's number, its error and its overlap; None where nothing of its type was accepted."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -39,6 +37,15 @@ class Posed:
 
     obj_id: int
     camera_from_object: Floats
+
+
+class Told(NamedTuple):
+    """A truth's number, and its error, overlap and ``answer``; None where nothing of its type stands for it."""
+
+    obj_id: int
+    error: float | None = None
+    overlap: float | None = None
+    answer: Posed | None = None
 
 
 @dataclass(frozen=True)
@@ -104,19 +111,24 @@ def counted(
 ) -> tuple[Counts, list[Told]]:
     """One photo's counts; and of each truth what stands for it.
 
-    ``unposed``: types that are there without a pose: what is accepted of them is neither right nor false.
+    Each answer stands for the nearest truth of its type (ADD) at most. ``unposed``: types that are there without a
+    pose: what is accepted of them is neither right nor false.
     """
     rows: list[Told] = []
     right = found = 0
-    for truth in truths:
-        own = [answer for answer in answers if answer.obj_id == truth.obj_id]
-        best = min(own, key=lambda answer: error_of(answer, truth, models[truth.obj_id]), default=None)
+    errors = {
+        id(answer): [error_of(answer, t, models[t.obj_id]) if t.obj_id == answer.obj_id else np.inf for t in truths]
+        for answer in answers
+    }
+    for i, truth in enumerate(truths):
+        own = [a for a in answers if errors[id(a)][i] < np.inf and np.argmin(errors[id(a)]) == i]
+        best = min(own, key=lambda answer: errors[id(answer)][i], default=None)
         if best is None:
-            rows.append((truth.obj_id, None, None))
+            rows.append(Told(truth.obj_id))
             continue
-        error = error_of(best, truth, models[truth.obj_id])
+        error = errors[id(best)][i]
         overlap = overlap_of(best, truth, surfaces[truth.obj_id], camera)
-        rows.append((truth.obj_id, error, overlap))
+        rows.append(Told(truth.obj_id, error, overlap, best))
         right += error < RIGHT
         found += overlap >= OUTLINED or error < RIGHT
     posed = {truth.obj_id for truth in truths}

@@ -14,6 +14,7 @@ if TYPE_CHECKING:
 
     from benchmarks.photos.answers import Answer, Shown
     from benchmarks.photos.score import Posed
+    from benchmarks.photos.told import Forecast
     from benchmarks.shared.claims import Claim
     from geometry.visibility.rays import RayMesh
     from kb.clouds.cloud import KnowledgeBase
@@ -21,11 +22,12 @@ if TYPE_CHECKING:
 
 
 class Report(NamedTuple):
-    """Of one dataset: the rows, further tables by name, and the claims."""
+    """Of one dataset: the rows, further tables by name, the claims, and what documents claimed, with the outcome."""
 
     rows: list[dict[str, Any]]
     more: dict[str, list[dict[str, Any]]]
     claims: list[Claim]
+    told: tuple[Forecast, ...] = ()
 
 
 class Measure(NamedTuple):
@@ -84,9 +86,9 @@ def wrong(measure: Measure, answers: Sequence[Answer]) -> list[dict[str, Any]]:
     rows = []
     for a in answers:
         rows += [
-            {"photo": a.shown.name, "type": measure.names[number], "error": error, "overlap": overlap}
-            for number, error, overlap in measure.counted(a.shown, a.ours)[1]
-            if error is None or error >= RIGHT
+            {"photo": a.shown.name, "type": measure.names[told.obj_id], "error": told.error, "overlap": told.overlap}
+            for told in measure.counted(a.shown, a.ours)[1]
+            if told.error is None or told.error >= RIGHT
         ]
         there = {some.obj_id for some in a.shown.truths} | a.shown.neither
         rows += [

@@ -36,7 +36,7 @@ def test_photos_are_counted_claimed_and_drawn(one):
         assert row["low"] <= row["ECE"] == pytest.approx(1.0 - row["mean P"], abs=0.001)
     bars = {claim["claim"]: claim for claim in found["claims"]}
     assert bars["ycb: right, of 2"]["value"] == 2
-    assert bars["ycb: ECE, its pose is right"]["bar"] == "<= 0.08"
+    assert bars["photos: ECE, its pose is right"]["bar"] == "<= 0.08"
     assert sorted(p.name for p in (one / "pictures").iterdir()) == ["ycb_1_1.png", "ycb_1_2.png"]
     assert done.stderr.count("photo 1/") == 2
 
@@ -47,6 +47,9 @@ def test_simulated_pictures_are_as_many_as_asked_and_the_same_again(one):
     rows = {row["row"]: row for row in found["rows"]}
     assert rows["ycb, printed"]["there"] == rows["ycb, all"]["there"] >= 2
     assert rows["ycb, plain"]["there"] == 0
+    sized = found["right by size"]
+    assert sum(row["there"] for row in sized) == rows["ycb, all"]["there"]
+    assert sum(row["right"] for row in sized) == rows["ycb, all"]["right"]
     assert {row["claim"] for row in found["reliability"]} <= {row["claim"] for row in found["claimed"]}
     again, _ = ran(one, "--simulated", "--count", "2")
     for row in (*found["rows"], *again["rows"]):
