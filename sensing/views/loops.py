@@ -13,8 +13,8 @@ BINS = 12
 """Directions of edges in half a turn."""
 STEPS = 32
 """Grades of a response."""
-WEAK = 0.03
-"""A weight below this is none."""
+WEAK, FAINT = 0.03, 1.9
+"""A weight below this is none; widths beyond which a response is less than a grade."""
 
 
 @njit(cache=True)
@@ -22,12 +22,15 @@ def responses(weight: Any, angle: Any, bins: int, period: float, width: float) -
     """(bins, h, w) uint8: how strong an edge is at each pixel in each of some directions evenly in a period."""
     high, wide = weight.shape
     result = np.zeros((bins, high, wide), np.uint8)
+    reach = min((bins - 1) // 2, int(np.ceil(FAINT * width * bins / period)))
     for y in range(high):
         for x in range(wide):
             if weight[y, x] >= WEAK:
-                for k in range(bins):
-                    off = (angle[y, x] - k * period / bins + 0.5 * period) % period - 0.5 * period
-                    result[k, y, x] = int(weight[y, x] * np.exp(-((off / width) ** 2)) * (STEPS - 0.01))
+                at = angle[y, x] * bins / period
+                nearest = int(np.rint(at))
+                for k in range(nearest - reach, nearest + reach + 1):
+                    off = (at - k) * period / bins / width
+                    result[k % bins, y, x] = int(weight[y, x] * np.exp(-(off**2)) * (STEPS - 0.01))
     return result
 
 

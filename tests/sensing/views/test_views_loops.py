@@ -99,6 +99,7 @@ def test_a_climb_never_ends_lower_than_it_began(seed):
         ]
     )
     moved = climbed(stack, views, seeds, 1.0, np.array([0.14, 0.09, 0.05]), 14, 0.0)
+    assert len(moved) == len(seeds)
     for before, after in zip(seeds, moved, strict=True):
         assert after[5] == score(stack, views, after, 1.0, 0.0) >= score(stack, views, before, 1.0, 0.0)
 

@@ -64,10 +64,12 @@ def test_the_same_photo_gives_the_same_poses(views):
     photo = PhotoMaps(photographed(look_at([0.1, -0.4, 0.3], PAINT.middle), 4))
     body = Body(views, PAINT.middle, PAINT.diameter)
     first, second = (searched(photo, CAMERA, body, 5) for _ in range(2))
+    assert len(first[0]) == 5
     assert all((a == b).all() for a, b in zip(first, second, strict=True))
 
 
 def test_a_view_has_its_outline_around_its_inside(views):
+    assert len(views.at) == 200
     for v in range(0, 200, 17):
         rim, inside, outside = (views.at[v][views.kind[v] == kind] for kind in (OUTLINE, INSIDE, OUTSIDE))
         hull = cv2.convexHull((rim * 1000).astype(np.float32))
@@ -78,6 +80,7 @@ def test_a_view_has_its_outline_around_its_inside(views):
 
 def test_views_are_kept(tmp_path, monkeypatch):
     first = kept_views(PAINT, 20, tmp_path)
+    assert len(first.at) == 20
     monkeypatch.setattr("sensing.views.kept.views_of", None)
     again = kept_views(PAINT, 20, tmp_path)
     assert all((a == b).all() for a, b in zip(first, again, strict=True))
