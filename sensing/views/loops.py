@@ -13,6 +13,8 @@ BINS = 12
 """Directions of edges in half a turn."""
 STEPS = 32
 """Grades of a response."""
+MOST = 100
+"""Steps that a map says at most: a sum of all features is less than 2¹⁵."""
 WEAK, FAINT = 0.03, 1.9
 """A weight below this is none; widths beyond which a response is less than a grade."""
 
@@ -53,6 +55,29 @@ def told(grade: Any, kind: Any, table: Any) -> Any:
         for y in range(grade.shape[1]):
             for x in range(grade.shape[2]):
                 result[k, y, x] = table[kind[y, x], grade[k, y, x]]
+    return result
+
+
+@njit(cache=True)
+def stacked(border: Any, edges: Any, inside: Any, outside: Any, weights: Any) -> Any:
+    """The maps of a type one upon the other, int8.
+
+    ``border`` (2 · ``BINS``, h, w) and ``edges`` (``BINS``, h, w) as ``weights`` (3,) say for both on an outline and
+    for edges within; ``inside``, ``outside`` (k, h, w). At most ``MOST``.
+    """
+    both, bins, colours = len(border), len(edges), len(inside)
+    result = np.empty((both + bins + 2 * colours, *border.shape[1:]), np.int8)
+    for k in range(both):
+        for y in range(border.shape[1]):
+            for x in range(border.shape[2]):
+                value = np.rint(weights[0] * border[k, y, x] + weights[1] * edges[k % bins, y, x])
+                result[k, y, x] = int(min(max(value, -MOST), MOST))
+    for k in range(bins):
+        for y in range(border.shape[1]):
+            for x in range(border.shape[2]):
+                result[both + k, y, x] = int(np.rint(weights[2] * edges[k, y, x]))
+    result[both + bins : both + bins + colours] = inside
+    result[both + bins + colours :] = outside
     return result
 
 

@@ -19,13 +19,11 @@ from numpy.typing import NDArray
 
 from geometry.arrays import Floats, Ints
 from sensing.pixels.photo import lab_of
-from sensing.views.loops import BINS, STEPS, counted, responses, told
+from sensing.views.loops import BINS, MOST, STEPS, counted, responses, stacked, told
 from sensing.views.views import Views
 
 UNIT = 12.0
 """How many steps of a map are a nat."""
-MOST = 100
-"""Steps that a map says at most: a sum of all features is less than 2¹⁵."""
 ON_OUTLINE, ON_BORDER, ON_INNER, IN_COLOUR, OUT_COLOUR = 0.6, 1.0, 0.4, 0.6, 0.5
 """What a feature counts of the edge there, of the border of the type's own colours, and of its colour."""
 STEEP = 6.0
@@ -105,10 +103,17 @@ class TypeMaps:
         x, y = (cv2.Sobel(near, cv2.CV_32F, *way) / 4.0 for way in ((1, 0), (0, 1)))
         strong = np.minimum(1.0, 2.0 * np.hypot(x, y))
         border = surprise(strong, np.arctan2(y, x), 2 * BINS, 2.0 * np.pi, WIDTH_OF_BORDER, spread, every)
-        outline = ON_BORDER * border + ON_OUTLINE * np.concatenate([edges, edges])
-        colours = np.stack([_thinned(cv2.blur(table[cells], (every, every)), every) for table in self._tables]) * UNIT
-        parts = [outline, ON_INNER * edges, IN_COLOUR * colours, -OUT_COLOUR * colours]
-        return np.clip(np.rint(np.concatenate(parts)), -MOST, MOST).astype(np.int8)
+        weights = np.array([ON_BORDER, ON_OUTLINE, ON_INNER])
+        if every == 1:
+            inside, outside = (_steps(share * self._tables)[:, cells] for share in (IN_COLOUR, -OUT_COLOUR))
+        else:
+            mean = np.stack([_thinned(cv2.blur(table[cells], (every, every)), every) for table in self._tables])
+            inside, outside = (_steps(share * mean) for share in (IN_COLOUR, -OUT_COLOUR))
+        return np.asarray(stacked(border, edges, inside, outside, weights))
+
+
+def _steps(nats: NDArray[np.float32]) -> NDArray[np.int8]:
+    return np.clip(np.rint(nats * UNIT), -MOST, MOST).astype(np.int8)
 
 
 def _thinned(some: NDArray[np.float32], every: int) -> NDArray[np.float32]:
@@ -132,9 +137,7 @@ def surprise(
     usual = number / number.sum(axis=1, keepdims=True)
     right = np.arange(STEPS) + 0.5
     log = np.log((1.0 - HARD) * right / right.sum() / usual + HARD)
-    return np.asarray(
-        told(np.ascontiguousarray(grade), kind, np.clip(np.rint(log * UNIT), -MOST, MOST).astype(np.int8))
-    )
+    return np.asarray(told(np.ascontiguousarray(grade), kind, _steps(log)))
 
 
 def cell_of(lab: NDArray[np.float32]) -> Ints:

@@ -27,7 +27,7 @@ EVERY, SPREAD, SPREAD_FINE = 4, 2, 1
 """Pixels of a cell; pixels by which an edge may be off."""
 POWER = 0.3
 """Of the size, by which sums of features, which are not independent, count more in large ones."""
-KEPT, SEEDS = 20000, 2000
+KEPT, SEEDS = 20000, 800
 """Of the best places; and those of them, no two alike, that climb."""
 ALIKE_COARSE, ALIKE = (np.radians(10.0), np.log(1.1), 0.06), (np.radians(12.0), np.log(1.13), 0.08)
 """Angle, logarithm of the sizes' ratio, and sizes' share between what is alike."""
