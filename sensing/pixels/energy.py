@@ -121,5 +121,5 @@ def choice(fits: list[Fit]) -> tuple[int, list[float]]:
 
 
 def trusted(fits: list[Fit]) -> float:
-    """How far print counts, 0 to 1: as any pose's correlates with the photo; where none does, it is not the object's."""
+    """How far print counts, 0 to 1: as any pose's correlates; where none does, it is not the object's."""
     return float(np.clip((max(fit.correlation for fit in fits) - 0.2) / 0.3, 0.0, 1.0))
