@@ -109,6 +109,13 @@ def turn_about(axis: ArrayLike, angle: float) -> Floats:
     return rotation_from_quat_xyzw([*(math.sin(angle / 2) * np.asarray(axis)), math.cos(angle / 2)])
 
 
+def least_turns(start: ArrayLike, end: ArrayLike) -> Floats:
+    """(..., 3, 3) the least rotations of unit vectors `start` (..., 3) to `end` (..., 3), which are not opposite."""
+    start, end = last_axes(start, (3,), "start"), last_axes(end, (3,), "end")
+    across = np.cross(np.eye(3), np.cross(start, end)[..., None, :])
+    return np.asarray(np.eye(3) + across + across @ across / (1.0 + (start * end).sum(axis=-1))[..., None, None])
+
+
 def motion_about(axis: ArrayLike, at: ArrayLike, angle: float) -> Floats:
     """The motion (4, 4) that turns by `angle` rad about the line through `at` (3,) along a unit `axis` (3,)."""
     turn = turn_about(axis, angle)

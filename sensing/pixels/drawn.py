@@ -44,10 +44,11 @@ class Paint:
         self.mesh = mesh
         self.middle, self.diameter = extent(mesh.vertices)
         self._caster = Caster([Body(None, mesh, np.eye(4))])
+        self._outer = outermost(mesh.vertices)
 
     def box(self, pose: Floats, K: Floats) -> Floats | None:
         """(2, 2) least and greatest pixel (u, v) of its vertices at a pose (4, 4); None where some are too near."""
-        placed = transform_points(pose, self.mesh.vertices)
+        placed = transform_points(pose, self._outer)
         if placed[:, 2].min() < NEAR * self.diameter:
             return None
         uv = placed[:, :2] / placed[:, 2:] * np.diag(K)[:2] + K[:2, 2]
@@ -78,3 +79,16 @@ class Paint:
         result.depth[window] = np.where(hit, found.depth, np.inf).reshape(u.shape)
         result.normal[window] = normal.reshape(*u.shape, 3)
         return result
+
+
+def outermost(points: Floats) -> Floats:
+    """The corners (M, 3) of the convex hull of points (N, 3): they alone decide how far these reach any way.
+
+    All points, where they have no volume.
+    """
+    from scipy.spatial import ConvexHull, QhullError
+
+    try:
+        return np.asarray(points[ConvexHull(points).vertices])
+    except QhullError:
+        return points

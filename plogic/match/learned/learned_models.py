@@ -29,12 +29,14 @@ from plogic.match.judged.type_models import SURE, Found, Given, Ranks, Request, 
 from plogic.match.learned.agreement import Lobes, lobes_of
 from plogic.match.learned.keypoints import Lexicon, lexicon_of
 from plogic.match.learned.learned_match import ROBUST, matched, pose_of, precision
-from plogic.match.learned.learned_pixels import hiding, looked_beside, pictured
-from plogic.match.learned.learned_poses import NOBODY, REFINED, Voted, generate, resting, voted
+from plogic.match.learned.learned_pixels import NO_POSES, hiding, looked_beside, pictured
+from plogic.match.learned.learned_poses import NOBODY, REFINED, VERIFIED, Voted, generate, resting, voted
+from plogic.match.learned.learned_views import PRINTED, VIEWS, keypoints_shown, seen_anywhere
 from plogic.measures.distinctiveness import Kinds, kinds_of, rank_of_kinds
 
 if TYPE_CHECKING:
     from sensing.pixels.drawn import Paint
+    from sensing.views.search import Body
 
 
 @dataclass(frozen=True, eq=False)
@@ -143,6 +145,17 @@ class LearnedIndex:
         mesh = None if kind.mesh_file is None else read_mesh(kind.mesh_file, kind.mesh_scale)
         return None if mesh is None or mesh.texture is None else Paint(mesh)
 
+    @cached_property
+    def body(self) -> "Body | None":
+        """What it looks like from all around, where it has little print; None where it has no texture."""
+        if self.paint is None or keypoints_shown(self.cloud) >= PRINTED:
+            return None
+        from geometry.files.remembered import cache_folder
+        from sensing.views.kept import kept_views
+        from sensing.views.search import Body
+
+        return Body(kept_views(self.paint, VIEWS, cache_folder("views")), self.paint.middle, self.paint.diameter)
+
     def ranks(self, here: Counter[str], by_chance: Counter[str]) -> Ranks:
         """The ranks by counting words; a learned type has no neighbourhoods."""
         of_here, of_chance = (rank_of_kinds(self.weights, self.kinds, some) for some in (here, by_chance))
@@ -150,7 +163,7 @@ class LearnedIndex:
 
     def proposals(self, data: Data, kb: KnowledgeBase, most: int) -> Found:
         """The hypotheses that the whole of Γ suggests, at most ``most`` of them refined."""
-        return generate(self, data, kb, NOBODY, refined=most, verified=most)
+        return generate(self, data, kb, NOBODY, width=(most, most))
 
     def settle(
         self,
@@ -297,6 +310,11 @@ class LearnedSearch(Search):
                 found[name] = one
         return found
 
+    @cached_property
+    def _seen(self) -> dict[str, Floats]:
+        """The poses that the whole photo suggests of what has little print."""
+        return seen_anywhere(list(self.models.values()), self.request.data, self.request.processes)
+
     def votes(self) -> dict[str, float]:
         """The votes of the pairs of a type for its best pose."""
         return {name: float(of.votes.max(initial=0.0)) for name, of in self._voted.items()}
@@ -309,6 +327,7 @@ class LearnedSearch(Search):
         """The hypotheses of each type."""
         taken, before = bodies(self.models, given.accepted), hiding(given.accepted)
         whole = len(left.ids) == len(self.request.data.ids)
+        seen = self._seen
 
         def search(index: LearnedIndex) -> Found:
             name = index.object_type.name
@@ -319,8 +338,9 @@ class LearnedSearch(Search):
                 self.request.kb,
                 taken,
                 before=before,
-                refined=most,
+                width=(most, VERIFIED),
                 of=self._voted.get(name) if whole else None,
+                seen=seen.get(name, NO_POSES),
             )
 
         indices = [self.models[name] for name in names]

@@ -32,8 +32,10 @@ if TYPE_CHECKING:
 
 Before: TypeAlias = tuple[RayMesh, np.ndarray]
 """A surface that may hide pixels, and its pose (4, 4)."""
-SCREENED, FITTED = 6, 2
-"""Poses of a type whose pixels are looked at, and those that are moved to where the pixels fit best."""
+SCREENED, FITTED, FITTED_SEEN = 6, 2, 4
+"""Poses of a type whose pixels are looked at; those that are moved to where the pixels fit best; and of those that
+views suggest."""
+NO_POSES = np.zeros((0, 4, 4))
 PROMISING = 4.0
 """Fit, in ``sensing.pixels.energy``, that few poses of absent types have (``python benchmarks/pixel_odds.py``): one
 that has it is refined whatever its keypoints say."""
@@ -48,35 +50,56 @@ def by_pixels(
     data: Data,
     kb: KnowledgeBase,
     before: Sequence[Before] = (),
+    seen: Floats = NO_POSES,
 ) -> list[tuple[float, Hypothesis]]:
-    """Of refined poses (N, 4, 4), best first, those that the pixels speak for, moved to where these fit best."""
-    from sensing.pixels.crop import crop_of
-    from sensing.pixels.energy import fit_of
-    from sensing.pixels.refine import CLOSE, COARSE, refined
+    """Of refined poses (N, 4, 4), best first, those that the pixels speak for, moved to where these fit best.
+
+    ``seen`` (M, 4, 4): poses that keypoints say nothing of, best first.
+    """
+    from sensing.pixels.refine import CLOSE, refined
 
     photo, paint = data.photo, index.paint
     assert photo is not None  # noqa: S101 - the caller looked
     assert paint is not None  # noqa: S101
-    screened: list[tuple[float, Floats, float]] = []
-    for pose, value in zip(best, worth, strict=True):
-        if len(screened) == SCREENED:
-            break
-        if not any(same_place(index.object_type, pose, old) for _, old, _ in screened):
-            crop = crop_of(photo, paint, pose, COARSE, before)
-            screened.append((fit_of(crop, paint, pose).score if crop is not None else -np.inf, pose, value))
-    hopeful = [row for row in screened if row[0] >= PROMISING or row[2] >= WORTHY]
+    by_keypoints = [
+        row for row in _screened(index, best, worth, data, before, SCREENED) if row[0] >= PROMISING or row[2] >= WORTHY
+    ]
+    by_views = _screened(index, seen, np.zeros(len(seen)), data, before, len(seen))
+    starts = [(*row[:2], True) for row in by_keypoints[:FITTED]] + [(*row[:2], False) for row in by_views[:FITTED_SEEN]]
     found = []
     tried: list[tuple[float, Floats]] = []
-    for score, pose, _ in sorted(hopeful, key=lambda row: -row[0])[:FITTED]:
-        if any(score < best - CLOSE and _in_one_place(paint, pose, other) for best, other in tried):
+    for score, pose, matched in starts:
+        if any(score < other - CLOSE and _in_one_place(paint, pose, there) for other, there in tried):
             continue
         tried.append((score, pose))
-        at = refined(photo, paint, index.settle(pose, data, kb, rounds=2).camera_from_object, before)
+        start = index.settle(pose, data, kb, rounds=2).camera_from_object if matched else pose
+        at = refined(photo, paint, start, before)
         if at is not None:
             moved = index.settle(at[0], data, kb, rounds=0).told(pixels=at[1].odds)
             if (moved.candidate & moved.detected).sum() >= FEWEST:
                 found.append((evidence(moved, data, kb).ratio, moved))
     return distinct(found, index.object_type)
+
+
+def _screened(
+    index: LearnedIndex, poses: Floats, worth: Floats, data: Data, before: Sequence[Before], most: int
+) -> list[tuple[float, Floats, float]]:
+    """How well the first ``most`` of poses (N, 4, 4) that are not in one place fit, with their worth; best first."""
+    from sensing.pixels.crop import crop_of
+    from sensing.pixels.energy import fit_of
+    from sensing.pixels.refine import COARSE
+
+    photo, paint = data.photo, index.paint
+    assert photo is not None  # noqa: S101 - the caller looked
+    assert paint is not None  # noqa: S101
+    rows: list[tuple[float, Floats, float]] = []
+    for pose, value in zip(poses, worth, strict=True):
+        if len(rows) == most:
+            break
+        if not any(same_place(index.object_type, pose, old) for _, old, _ in rows):
+            crop = crop_of(photo, paint, pose, COARSE, before)
+            rows.append((fit_of(crop, paint, pose).score if crop is not None else -np.inf, pose, float(value)))
+    return sorted(rows, key=lambda row: -row[0])
 
 
 def _in_one_place(paint: Paint, pose: Floats, other: Floats) -> bool:

@@ -13,12 +13,13 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
+from geometry.frames import least_turns
 from plogic.match.judged.evidence import evidence
 from plogic.match.judged.expectation import FEWEST
 from plogic.match.judged.rivals import apart, distinct, distinct_poses
 from plogic.match.learned.agreement import agreement, votes
 from plogic.match.learned.keypoints import SEEDS, Pairs, depths, pairs_of, plausible, sights, single_poses, turns
-from plogic.match.learned.learned_pixels import Before, by_pixels
+from plogic.match.learned.learned_pixels import NO_POSES, Before, by_pixels
 from plogic.match.learned.learned_refinement import ROUNDS, Round, held_at, refined
 
 if TYPE_CHECKING:
@@ -72,25 +73,26 @@ def generate(
     taken: Floats = NOBODY,
     *,
     before: Sequence[Before] = (),
-    refined: int = REFINED,
-    verified: int = VERIFIED,
+    width: tuple[int, int] = (REFINED, VERIFIED),
     of: Voted | None = None,
+    seen: Floats = NO_POSES,
 ) -> list[tuple[float, Hypothesis]]:
     """The settled poses with their log-likelihood ratios, best first.
 
-    ``refined``, ``verified``: how many poses go that far; ``of``: what the data vote for, where that is known;
-    ``before``: what hides pixels, where it is nearer.
+    ``width``: how many poses are refined and settled; ``of``: what the data vote for, where that is known;
+    ``before``: what hides pixels, where it is nearer; ``seen`` (M, 4, 4): poses that the photo suggests otherwise.
 
     ``taken`` (N, 4): middles, camera frame, and inner radii of bodies that are there already, m: poses that overlap
     them (A4) are not looked at.
     """
-    thin = verified <= VERIFIED
-    poses, worth = proposed(index, data, kb, refined, verified, taken, thin=thin, of=of)
-    if data.photo is not None and len(poses) and index.paint is not None:
+    thin = width[1] <= VERIFIED
+    poses, worth = proposed(index, data, kb, *width, taken, thin=thin, of=of)
+    if data.photo is not None and len(poses) + len(seen) and index.paint is not None:
         clear = clear_of(taken, index, poses)
-        return by_pixels(index, poses[clear], worth[clear], data, kb, before)
+        seen = seen[clear_of(taken, index, seen)]
+        return by_pixels(index, poses[clear], worth[clear], data, kb, before, seen)
     poses = poses[worth >= WORTHLESS] if thin else poses
-    return settled_best(index, poses[clear_of(taken, index, poses)], data, kb, verified)
+    return settled_best(index, poses[clear_of(taken, index, poses)], data, kb, width[1])
 
 
 def clear_of(taken: Floats, index: LearnedIndex, poses: Floats) -> Mask:
@@ -236,14 +238,8 @@ def set_down(index: LearnedIndex, pairs: Pairs, plane: Plane, data: Data) -> Flo
             farther = np.abs(np.log(np.maximum(depth, 0.0) / told))
         near = (np.abs(falling) > GRAZING) & (farther < FARTHER) & (is_down @ plane.up < -np.cos(TIPPED))
         poses = np.tile(np.eye(4), (int(near.sum()), 1, 1))
-        poses[:, :3, :3] = _least_turns(is_down[near], -plane.up) @ turned[near]
+        poses[:, :3, :3] = least_turns(is_down[near], -plane.up) @ turned[near]
         poses[:, :3, 3] = rays[near] * depth[near, None] - np.einsum("nij,nj->ni", poses[:, :3, :3], places[near])
         found.append(poses)
     poses = np.concatenate(found)
     return poses[plausible(index, poses)]
-
-
-def _least_turns(start: Floats, end: Floats) -> Floats:
-    """(N, 3, 3) the least rotations of unit vectors (N, 3) to another (3,), which is opposite to none."""
-    across = np.cross(np.eye(3), np.cross(start, end)[:, None, :])
-    return np.asarray(np.eye(3) + across + across @ across / (1.0 + start @ end)[:, None, None])
