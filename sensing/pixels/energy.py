@@ -114,10 +114,12 @@ def visible_share(lines: Lines) -> float:
 
 
 def choice(fits: list[Fit]) -> tuple[int, list[float]]:
-    """Which of several poses fits best, and their scores.
-
-    Print counts as far as any of them correlates with the photo: where none does, the paint is not the object's.
-    """
-    faith = float(np.clip((max(fit.correlation for fit in fits) - 0.2) / 0.3, 0.0, 1.0))
-    scores = [EDGES * fit.edges + faith * PRINT * fit.print_ + REGION * fit.region for fit in fits]
+    """Which of several poses fits best, and their scores; print counts as far as it is trusted."""
+    trust = trusted(fits)
+    scores = [EDGES * fit.edges + trust * PRINT * fit.print_ + REGION * fit.region for fit in fits]
     return int(np.argmax(scores)), scores
+
+
+def trusted(fits: list[Fit]) -> float:
+    """How far print counts, 0 to 1: as any pose's correlates; where none does, it is not the object's."""
+    return float(np.clip((max(fit.correlation for fit in fits) - 0.2) / 0.3, 0.0, 1.0))

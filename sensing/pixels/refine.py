@@ -16,7 +16,7 @@ from geometry.visibility.rays import RayMesh
 from sensing.pixels.blocks import ALIKE, Blocks, smoothed
 from sensing.pixels.crop import Crop, crop_of
 from sensing.pixels.drawn import Drawn, Paint
-from sensing.pixels.energy import FEWEST_LINES, Fit, choice, fit_of, spans, squares_of
+from sensing.pixels.energy import FEWEST_LINES, Fit, choice, fit_of, spans, squares_of, trusted
 from sensing.pixels.lines import NOWHERE, SLACK, Lines, between_colours, creases_of, on_edges, outline_of
 from sensing.pixels.photo import Photo
 
@@ -37,10 +37,20 @@ class Stage(NamedTuple):
     reach: int | None
 
 
-FIRST, FAR = Stage(1.0, 0.0, 1.0, 3, None), Stage(1.0, 0.0, 1.0, 6, None)
-EXACT = Stage(1.0, 0.0, 1.0, 3, None), Stage(0.3, 1.0, 1.0, 6, 3)
-"""Small, every start a little, and the best of them on; then large. Edges in the first catch clutter
-(``photos.md``)."""
+FIRST = Stage(1.0, 0.0, 1.0, 3, None)
+"""Small, every start a little; edges would catch clutter (``photos.md``)."""
+
+
+def far(trust: float) -> list[Stage]:
+    """Small, the best of the starts on; ``trust``, 0 to 1: how far print counts (``energy.trusted``)."""
+    return [Stage(1.0, 0.0, trust, 6, None)]
+
+
+def exact(trust: float) -> list[Stage]:
+    """Large: where no print is trusted, edges alone last, for paint and sides pull plain objects off."""
+    return [Stage(1.0, 0.0, trust, 3, None), Stage(0.3 * trust, 1.0, trust, 6, 3)]
+
+
 TURN, DEPTH, ACROSS = 0.3, 0.1, 6.0
 """Standard deviations of what a step is expected to be: radians, a share of the depth, and pixels of the photo's part
 across it."""
@@ -66,19 +76,20 @@ def refined(
     if small is None or large is None:
         return None
     coarse = [settled(small, paint, start, [FIRST]) for start in starts_about(pose, paint)]
-    coarse = [settled(small, paint, some, [FAR]) for some, _ in ordered(small, paint, coarse)[:KEPT]]
-    found = ordered(small, paint, coarse)
+    found, trust = ordered(small, paint, coarse)
+    found, trust = ordered(small, paint, [settled(small, paint, some, far(trust)) for some, _ in found[:KEPT]])
     best = different([some for some, score in found if score >= found[0][1] - CLOSE], paint)
-    poses = [pose, *(settled(large, paint, some, EXACT) for some in best)]
+    poses = [pose, *(settled(large, paint, some, exact(trust)) for some in best)]
     fits = [fit_of(large, paint, some) for some in poses]
     chosen = choice(fits)[0]
     return poses[chosen], fits[chosen]
 
 
-def ordered(crop: Crop, paint: Paint, poses: Sequence[Floats]) -> list[tuple[Floats, float]]:
-    """Poses with their scores, the best-fitting first."""
-    scores = choice([fit_of(crop, paint, pose) for pose in poses])[1]
-    return [(poses[k], scores[k]) for k in np.argsort(-np.array(scores), kind="stable")]
+def ordered(crop: Crop, paint: Paint, poses: Sequence[Floats]) -> tuple[list[tuple[Floats, float]], float]:
+    """Poses with their scores, the best-fitting first; and how far their print is trusted."""
+    fits = [fit_of(crop, paint, pose) for pose in poses]
+    scores = choice(fits)[1]
+    return [(poses[k], scores[k]) for k in np.argsort(-np.array(scores), kind="stable")], trusted(fits)
 
 
 def different(poses: Sequence[Floats], paint: Paint) -> list[Floats]:

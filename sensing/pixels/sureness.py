@@ -21,11 +21,11 @@ from sensing.pixels.energy import choice, fit_of
 from sensing.pixels.photo import Photo
 from sensing.pixels.refine import (
     COARSE,
-    EXACT,
-    FAR,
     FINE,
     FIRST,
     different,
+    exact,
+    far,
     moved,
     normal,
     ordered,
@@ -72,11 +72,12 @@ def alternatives(
     small, large = (crop_of(photo, paint, pose, size, before) for size in (COARSE, FINE))
     if small is None or large is None:
         return []
-    coarse = [settled(small, paint, some, [FIRST, FAR]) for some in starts_about(pose, paint)]
-    found = ordered(small, paint, different(coarse, paint))
+    found, trust = ordered(small, paint, [settled(small, paint, some, [FIRST]) for some in starts_about(pose, paint)])
+    coarse = [settled(small, paint, some, far(trust)) for some, _ in found]
+    found, trust = ordered(small, paint, different(coarse, paint))
     likely = [some for some, score in found if score >= found[0][1] - UNLIKELY]
-    poses = different([pose, *(settled(large, paint, some, EXACT) for some in likely)], paint)
-    known = [(some, normal(large, paint, some, EXACT[1])) for some in poses]
+    poses = different([pose, *(settled(large, paint, some, exact(trust)) for some in likely)], paint)
+    known = [(some, normal(large, paint, some, exact(trust)[-1])) for some in poses]
     seen = [(some, matrices) for some, matrices in known if matrices is not None]
     scores = choice([fit_of(large, paint, some) for some, _ in seen])[1] if seen else []
     return [Alternative(some, score, m[0], m[1]) for (some, m), score in zip(seen, scores, strict=True)]

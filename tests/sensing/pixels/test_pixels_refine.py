@@ -13,7 +13,7 @@ from geometry.frames import inverse, transform_points
 from kb.surfaces.surface import Surface
 from sensing.pixels.crop import crop_of
 from sensing.pixels.drawn import Paint
-from sensing.pixels.energy import NO_FIT, choice, fit_of
+from sensing.pixels.energy import NO_FIT, choice, fit_of, trusted
 from sensing.pixels.photo import Photo
 from sensing.pixels.refine import FINE, different, moved, refined, starts_about
 
@@ -57,6 +57,24 @@ def test_a_pose_that_is_off_comes_back(paint, photo, turn, shift):
     pose, fit = refined(photo, paint, disturbed(paint, turn, shift))
     assert off(paint, pose) < 0.02
     assert fit.odds > 8.0
+
+
+@pytest.mark.parametrize("shift", [0.03, -0.03, 0.0])
+def test_paint_that_is_not_the_objects_pulls_nothing(photo, shift):
+    """Where no print correlates with the photo, edges alone say in the end where the cube is."""
+    from painted_cube import paint as print_of
+
+    other = Paint(replace(cube(), texture=print_of(seed=11)))
+    pose, fit = refined(photo, other, disturbed(other, (0, 4, 0), (0, 0, shift)))
+    assert fit.correlation < 0.2
+    assert off(other, pose) < 0.01
+
+
+def test_print_is_trusted_as_far_as_any_correlates():
+    fit = NO_FIT._replace(correlation=0.1)
+    assert trusted([fit]) == 0.0
+    assert trusted([fit, fit._replace(correlation=0.35)]) == pytest.approx(0.5)
+    assert trusted([fit._replace(correlation=0.6), fit]) == 1.0
 
 
 def test_the_start_is_kept_where_nothing_fits_better(paint):
