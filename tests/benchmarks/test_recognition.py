@@ -23,7 +23,7 @@ from benchmarks.recognition.scenes import Case, half_turns, ycb_meshes
 from benchmarks.recognition.score import Found, Tally, Truth, errors_of, matched, pose_right, tally
 from benchmarks.recognition.table import claims, judged, rows
 from benchmarks.tabletop.patterns import printed_box
-from benchmarks.tabletop.scene import TabletopScene, recognition_scene
+from benchmarks.tabletop.scene import Arrangement, TabletopScene, recognition_scene
 from geometry.camera import Camera
 from geometry.frames import from_rotation_translation
 from plogic.base.errors import InputError
@@ -226,7 +226,8 @@ def test_both_sides_see_the_same_pictures_and_the_peer_finds_poses(tmp_path, mon
     monkeypatch.setattr(recognition_scenes, "EMPTY_EVERY", 2)
     monkeypatch.setattr("benchmarks.tabletop.scene.TWINS", 0.0)
     real = recognition_scene
-    monkeypatch.setattr("benchmarks.tabletop.scene.recognition_scene", lambda *a, **k: real(*a, **k, bodies=(2, 2)))
+    two = Arrangement(bodies=(2, 2))
+    monkeypatch.setattr("benchmarks.tabletop.scene.recognition_scene", lambda *a, **k: real(*a, **k, arranged=two))
     fine = TabletopScene.photograph
     monkeypatch.setattr(TabletopScene, "photograph", lambda scene, _: fine(scene, 1))  # one ray a pixel
     shapes, seen, said = boxes(), [], []
