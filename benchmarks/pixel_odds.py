@@ -1,16 +1,19 @@
 """What the fit of pixels is worth: the best poses of each type in real and simulated photos, of types there and absent.
 
-``python benchmarks/pixel_odds.py KB SCENE``: the types of KB are those of SCENE's dataset, by number or by name; the
-simulated photos are of tables with things of these types (``--simulated``, so many). Prints a line for each pose that
-was refined; then the weights of a logistic regression of "it is there" on what a fit tells
-(``sensing.pixels.energy.ODDS``), what each photo's poses have by the others alone, and how many poses of absent types
-pass ``PROMISING`` before they are refined. Neither right nor absent are types that are there without a pose, and what
-looks like another type that is there, where that one is: which of the two it is, their own odds tell.
+``python benchmarks/pixel_odds.py KB SCENE [KB SCENE]``: the types of KB are those of SCENE's dataset, by number or by
+name; the simulated photos are of tables with things of these types (``--simulated``, so many). Prints a line for each
+pose that was refined; then the weights of logistic regressions on what a fit tells: of "it is there" for what shows
+print (``sensing.pixels.energy.ODDS``), where neither right nor absent are types that are there without a pose, and what
+looks like another type that is there, where that one is, for which of the two it is, their own odds tell; of "its
+outline is found" for what is plain (``PLAIN``), where a wrong pose of a type that is there is one of none. Then, by the
+weights of the other photos alone: what each photo's poses have; and of the best pose of each type in each photo how
+many are accepted where nine of ten of all photos' are found, and of these how many are found, and right. And how many
+poses of absent types pass ``PROMISING`` before they are refined.
 """
 
 import argparse
 import json
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import replace
 from pathlib import Path
 from typing import NamedTuple
@@ -29,8 +32,9 @@ from plogic.match.gamma.data import data_of
 from plogic.match.judged.rivals import distinct_poses
 from plogic.match.judged.type_models import SURE
 from plogic.match.learned.learned_models import LearnedIndex
-from plogic.match.learned.learned_pixels import FITTED, PROMISING, SCREENED
+from plogic.match.learned.learned_pixels import FITTED, FITTED_SEEN, PROMISING, SCREENED
 from plogic.match.learned.learned_poses import proposed
+from plogic.match.learned.learned_views import seen_anywhere
 from plogic.run.bop.models import ids_of, model_names
 from plogic.run.perceive import Perceiver
 from plogic.run.sources import kb_of
@@ -38,27 +42,38 @@ from sensing.detectors.detector import detect
 from sensing.files.images import read_image
 from sensing.pixels.crop import crop_of
 from sensing.pixels.drawn import Paint
-from sensing.pixels.energy import ODDS, fit_of
+from sensing.pixels.energy import ODDS, PLAIN, Fit, fit_of, printed
 from sensing.pixels.photo import Photo
 from sensing.pixels.refine import COARSE, refined
 
-DEVELOPED = 5000
-"""First seed of simulated photos: those of ``plogic bench recognition`` are below."""
+DEVELOPED, APART = 5000, 1000
+"""First seed of simulated photos, and how far the next KB's are from it: those of ``plogic bench recognition`` are
+below."""
 RIGHT = 0.12
 """Diameters of ADD up to which a pose is right here."""
 EVENED = 2e-4
 """Weight of the squares of the weights: of 2e-3, 5e-4, 2e-4 the one with the least log loss, left one photo out."""
-OVER = 0.5
-"""Intersection over union of outlines from which one object looks like another at its place."""
+OVER, FOUND = 0.5, 0.7
+"""Intersection over union of outlines from which one object looks like another at its place, and is found there."""
+PRECISION, EXACT = 0.9, 0.1
+"""Share found of what is accepted; diameters of ADD up to which what is found is right."""
+SCALES = (1.0, 5.0, 3.0, 10.0, 10.0), (1.0, 4.0, 3.5, 9.0, 3.0, 3.5, 1.5)
+"""Of what ``ODDS`` and ``PLAIN`` are weights of, about one over its standard deviation."""
 
 
 class Row(NamedTuple):
-    """``there``: 1 right, 0 absent, NaN neither; ``told``: what the weights are of; ``line``: all of it in words."""
+    """``there``: 1 right, 0 absent, NaN neither; ``found``: 1 its outline is, 0 is not, NaN neither.
+
+    ``off``: ADD, diameters, NaN where it is absent; ``line``: all of it in words.
+    """
 
     photo: str
+    type: str
     there: float
+    found: float
+    off: float
     coarse: float
-    told: tuple[float, ...]
+    fit: Fit
     line: str
 
 
@@ -82,17 +97,21 @@ def real(scene: Path, names: dict[int, str]) -> Iterator[Shown]:
         for entry in entries:
             posed.setdefault(names[entry["obj_id"]], []).append(_pose(entry))
         file = next((scene / "rgb").glob(f"{int(key):06d}.*"))
-        camera = read_camera(scene / "scene_camera.json", frame=int(key))
+        image = read_image(file)
+        camera = read_camera(scene / "scene_camera.json", frame=int(key), size=(image.shape[1], image.shape[0]))
         there = frozenset(names[number] for number in unposed.get(key, []))
-        yield Shown(f"real {key}", read_image(file), camera, posed, there)
+        yield Shown(f"{scene.parent.parent.name} {key}", image, camera, posed, there)
 
 
-def simulated(paints: dict[str, Paint], count: int) -> Iterator[Shown]:
-    """Photos of tables, every sixth without any of the types; what is half hidden counts as there without a pose."""
+def simulated(paints: dict[str, Paint], name: str, first: int, count: int) -> Iterator[Shown]:
+    """Photos of tables, seeds from ``first`` on, every sixth without any of the types.
+
+    What is half hidden counts as there without a pose.
+    """
     shapes = [(name, paint.mesh) for name, paint in paints.items()]
     for i in range(count):
         empty = i % EMPTY_EVERY == EMPTY_EVERY - 1
-        scene = recognition_scene(shapes, DEVELOPED + i, empty=empty, hard=HARD[(i + i // EMPTY_EVERY) % len(HARD)])
+        scene = recognition_scene(shapes, first + i, empty=empty, hard=HARD[(i + i // EMPTY_EVERY) % len(HARD)])
         posed: dict[str, list[Floats]] = {}
         hidden = set()
         for body, pose, fraction in zip(scene.bodies, scene.camera_from_bodies, scene.fractions, strict=True):
@@ -101,7 +120,7 @@ def simulated(paints: dict[str, Paint], count: int) -> Iterator[Shown]:
             elif body.label is not None:
                 hidden.add(body.label)
         camera = replace(scene.camera, world_from_camera=None)
-        yield Shown(f"simulated {i}", scene.photograph().image, camera, posed, frozenset(hidden))
+        yield Shown(f"{name}-simulated {i}", scene.photograph().image, camera, posed, frozenset(hidden))
 
 
 def rows_of(perceiver: Perceiver, shown: Shown) -> Iterator[Row]:
@@ -111,26 +130,37 @@ def rows_of(perceiver: Perceiver, shown: Shown) -> Iterator[Row]:
     data = data_of(gamma.appearances, shown.camera, perceiver.width, photo)
     paints = paints_of(perceiver)
     true = {name: [_mask(paints[name], pose, shown.camera) for pose in poses] for name, poses in shown.posed.items()}
+    indices = [some for some in perceiver.models.values() if isinstance(some, LearnedIndex)]
+    seen = seen_anywhere(indices, data, 1)
     for name, paint in paints.items():
         index = perceiver.models[name]
         assert isinstance(index, LearnedIndex)  # noqa: S101 - it has paint
         poses, _ = proposed(index, data, kb, thin=False)
         some = distinct_poses(index.object_type, poses, SCREENED)
-        crops = [(crop_of(photo, paint, pose, COARSE), pose) for pose in some]
-        coarse = [(fit_of(crop, paint, pose).score, pose) for crop, pose in crops if crop is not None]
-        for score, pose in sorted(coarse, key=lambda pair: -pair[0])[:FITTED]:
+        starts = _best(photo, paint, some, FITTED) + _best(photo, paint, seen.get(name, ()), FITTED_SEEN)
+        for score, pose in starts:
             found = refined(photo, paint, pose)
             if found is None:
                 continue
             off = min((_off(index, paint, found[0], posed) for posed in shown.posed.get(name, ())), default=np.nan)
             mask = _mask(paint, found[0], shown.camera)
+            own = max((_over(mask, other) for other in true.get(name, ())), default=0.0)
             alike = any(_over(mask, other) >= OVER for masks in true.values() for other in masks)
             neither = name in shown.posed or name in shown.unposed or alike
             there = 1.0 if off < RIGHT else np.nan if neither else 0.0
+            outlined = 1.0 if own >= FOUND else np.nan if own >= OVER or name in shown.unposed else 0.0
             said = "right" if there == 1.0 else "absent" if there == 0.0 else "neither"
             fit = found[1]
-            line = f"{shown.name} {name} {said} ADD {off:.3f} coarse {score:.1f} odds {fit.odds:.1f}"
-            yield Row(shown.name, there, score, fit.told, " ".join([line, *(f"{value:.2f}" for value in fit)]))
+            line = f"{shown.name} {name} {said} ADD {off:.3f} over {own:.2f} coarse {score:.1f} odds {fit.odds:.1f}"
+            line = " ".join([line, *(f"{value:.2f}" for value in fit)])
+            yield Row(shown.name, name, there, outlined, off, score, fit, line)
+
+
+def _best(photo: Photo, paint: Paint, poses: Iterable[Floats], most: int) -> list[tuple[float, Floats]]:
+    """The poses (4, 4) that fit best as they are, with their scores."""
+    crops = [(crop_of(photo, paint, pose, COARSE), pose) for pose in poses]
+    coarse = [(fit_of(crop, paint, pose).score, pose) for crop, pose in crops if crop is not None]
+    return sorted(coarse, key=lambda pair: -pair[0])[:most]
 
 
 def paints_of(perceiver: Perceiver) -> dict[str, Paint]:
@@ -159,58 +189,118 @@ def _off(index: LearnedIndex, paint: Paint, pose: Floats, true: Floats) -> float
     return float(min(np.linalg.norm(here - there, axis=1).mean() for there in turned)) / paint.diameter
 
 
-def logistic(rows: list[Row]) -> Floats:
-    """(5,) weights, the classes balanced."""
+def learned(rows: list[Row]) -> tuple[Floats, Floats]:
+    """(5,) the weights of what shows print, and (7,) those of what is plain."""
+    some, outlined = ([row for row in rows if not np.isnan(label(row))] for label in (_there, _found))
+    share = np.array([printed(row.fit) for row in some])
+    plainly = np.array([1.0 - printed(row.fit) for row in outlined])
+    return (
+        logistic([row.fit.told for row in some], [row.there for row in some], share, SCALES[0]),
+        logistic([row.fit.told_plainly for row in outlined], [row.found for row in outlined], plainly, SCALES[1]),
+    )
+
+
+def _there(row: Row) -> float:
+    return row.there
+
+
+def _found(row: Row) -> float:
+    return row.found
+
+
+def logistic(
+    told: Sequence[tuple[float, ...]], there: Sequence[float], share: Floats, scales: Sequence[float]
+) -> Floats:
+    """(K,) weights, the classes balanced, none but the first below 0; ``share`` (N,): how much each counts."""
     from scipy.optimize import minimize
 
-    scale = np.array([1.0, 5.0, 3.0, 10.0, 10.0])
-    X, y = np.array([row.told for row in rows]) * scale, np.array([row.there for row in rows])
-    weight = np.where(y > 0, 0.5 / y.sum(), 0.5 / (1.0 - y).sum()) * len(y)
+    scale = np.array(scales)
+    X, y = np.array(told) * scale, np.array(there)
+    if not (share @ y and share @ (1.0 - y)):
+        return np.full(len(scale), np.nan)
+    weight = share * np.where(y > 0, 0.5 / (share @ y), 0.5 / (share @ (1.0 - y)))
 
     def loss(w: Floats) -> float:
         z = X @ w
-        return float((weight * (np.logaddexp(0.0, z) - y * z)).sum() + EVENED * len(y) * (w[1:] ** 2).sum())
+        return float((weight * (np.logaddexp(0.0, z) - y * z)).sum() + EVENED * (w[1:] ** 2).sum())
 
-    return np.asarray(minimize(loss, np.zeros(len(scale))).x * scale)
+    bounds = [(None, None)] + [(0.0, None)] * (len(scale) - 1)
+    return np.asarray(minimize(loss, np.zeros(len(scale)), bounds=bounds).x * scale)
 
 
-def main(kb_folder: str, scene: Path, count: int) -> None:
+def odds_by(weights: tuple[Floats, Floats], fit: Fit) -> float:
+    """A fit's odds by other weights; what has none of its kind counts for nothing."""
+    both = float(np.dot(weights[0], fit.told)), float(np.dot(weights[1], fit.told_plainly))
+    return float(np.nan_to_num(printed(fit) * both[0]) + np.nan_to_num((1.0 - printed(fit)) * both[1]))
+
+
+def accepted(rows: list[Row], odds: list[float]) -> tuple[int, int, int, float]:
+    """The best pose of each type in each photo: how many have the least odds with ``PRECISION``.
+
+    And of these those that are found, and right; and the least odds.
+    """
+    best: dict[tuple[str, str], int] = {}
+    for k, row in enumerate(rows):
+        key = row.photo, row.type
+        if key not in best or odds[k] > odds[best[key]]:
+            best[key] = k
+    order = sorted(best.values(), key=lambda k: -odds[k])
+    found = np.array([rows[k].found == 1.0 for k in order])
+    right = found & np.array([rows[k].off < EXACT for k in order])
+    enough = np.flatnonzero(np.cumsum(found) >= PRECISION * np.arange(1, len(found) + 1))
+    n = int(enough[-1]) + 1 if len(enough) else 0
+    return n, int(found[:n].sum()), int(right[:n].sum()), odds[order[n - 1]] if n else np.inf
+
+
+def main(pairs: Sequence[tuple[str, Path]], count: int) -> None:
     """Print it all."""
-    kb = kb_of(kb_folder)
-    perceiver = Perceiver(kb)
-    paints = paints_of(perceiver)
-    numbers = model_names(scene.parent.parent / "models") | ids_of([kind.name for kind in kb.types], {})
     rows: list[Row] = []
-    photos = [*real(scene, {numbers[name]: name for name in perceiver.models}), *simulated(paints, count)]
-    for some in each(lambda shown: list(rows_of(perceiver, shown)), photos, processors()):
-        print(*(row.line for row in some), sep="\n", flush=True)  # noqa: T201 - a script
-        rows += some
-    told = [row for row in rows if not np.isnan(row.there)]
-    absent = [row for row in told if row.there == 0.0]
+    for k, (kb_folder, scene) in enumerate(pairs):
+        kb = kb_of(kb_folder)
+        perceiver = Perceiver(kb)
+        paints = paints_of(perceiver)
+        numbers = model_names(scene.parent.parent / "models") | ids_of([kind.name for kind in kb.types], {})
+        made = simulated(paints, scene.parent.parent.name, DEVELOPED + APART * k, count)
+        photos = [*real(scene, {numbers[name]: name for name in perceiver.models}), *made]
+        for some in each(lambda shown: list(rows_of(perceiver, shown)), photos, processors()):  # noqa: B023 - used here
+            print(*(row.line for row in some), sep="\n", flush=True)  # noqa: T201 - a script
+            rows += some
+    told(rows)
+
+
+def told(rows: list[Row]) -> None:
+    """Print what the rows tell."""
+    right, absent = ([row for row in rows if row.there == value] for value in (1.0, 0.0))
     passed = sum(row.coarse >= PROMISING for row in absent)
-    counts = f"{len(told) - len(absent)} right, {len(absent)} of absent types"
-    print(f"{counts}, {passed} of these coarsely above {PROMISING:g}")  # noqa: T201
-    print("weights", np.round(logistic(told), 1), "in use", ODDS)  # noqa: T201
-    odds: dict[tuple[str, float], list[float]] = {}
-    for photo in sorted({row.photo for row in told}):
-        weights = logistic([row for row in told if row.photo != photo])
-        for row in (row for row in told if row.photo == photo):
-            odds.setdefault((photo.split()[0], row.there), []).append(float(np.dot(weights, row.told)))
+    print(f"{len(right)} right, {len(absent)} of absent types, {passed} of these coarsely above {PROMISING:g}")  # noqa: T201
+    for name, weights, used in zip(("print", "plain"), learned(rows), (ODDS, PLAIN), strict=True):
+        print(f"{name}: weights", np.round(weights, 1), "in use", used)  # noqa: T201
+    by_photo = {
+        photo: learned([row for row in rows if row.photo != photo]) for photo in sorted({r.photo for r in rows})
+    }
+    odds = [odds_by(by_photo[row.photo], row.fit) for row in rows]
     print("left one photo out:")  # noqa: T201
-    for kind in ("real", "simulated"):
-        right, wrong = np.array(odds.get((kind, 1.0), [np.nan])), np.array(odds.get((kind, 0.0), [np.nan]))
-        loss = (np.logaddexp(0.0, -right).mean() + np.logaddexp(0.0, wrong).mean()) / 2.0
-        above, below = (wrong > SURE).sum(), (right <= SURE).sum()
+    for kind in sorted({row.photo.split()[0] for row in rows}):
+        mine = [k for k, row in enumerate(rows) if row.photo.split()[0] == kind]
+        there, wrong = (np.array([odds[k] for k in mine if rows[k].there == value] or [np.nan]) for value in (1.0, 0.0))
+        loss = (np.logaddexp(0.0, -there).mean() + np.logaddexp(0.0, wrong).mean()) / 2.0
+        above, below = (wrong > SURE).sum(), (there <= SURE).sum()
         print(  # noqa: T201
-            f"{kind}: log loss {loss:.4f}; right from {right.min():.1f}, {below} of {len(right)} not above {SURE:g};",
+            f"{kind}: log loss {loss:.4f}; right from {there.min():.1f}, {below} of {len(there)} not above {SURE:g};",
             f"absent up to {wrong.max():.1f}, {above} of {len(wrong)} above {SURE:g}",
         )
+        for said, some in (("learned", [odds[k] for k in mine]), ("in use", [rows[k].fit.odds for k in mine])):
+            n, found, exact, least = accepted([rows[k] for k in mine], some)
+            print(f"{kind}, {said}: {n} accepted from {least:.1f} on: {found} found, {exact} right")  # noqa: T201
 
 
 if __name__ == "__main__":
     parser = argparse.ArgumentParser(description=(__doc__ or "").partition("\n")[0])
-    parser.add_argument("kb", metavar="KB")
-    parser.add_argument("scene", type=Path, metavar="SCENE")
+    parser.add_argument("folders", nargs="+", metavar="KB SCENE")
     parser.add_argument("--simulated", type=int, default=36, metavar="N")
     asked = parser.parse_args()
-    main(asked.kb, asked.scene, asked.simulated)
+    if len(asked.folders) % 2:
+        parser.error("a folder of a KB goes with one of a scene")
+    main(
+        [(kb, Path(scene)) for kb, scene in zip(asked.folders[::2], asked.folders[1::2], strict=True)], asked.simulated
+    )

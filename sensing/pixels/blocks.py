@@ -109,8 +109,22 @@ class Blocks:
         photo, drawn, together = self.moments
         noise = self.noise + FLOOR + (MODEL * self.gain) ** 2 * drawn
         each = (np.maximum(together, 0.0) / np.sqrt((photo + noise) * (drawn + noise))).mean(axis=1)
-        weight = self.count * (drawn / (drawn + noise)).mean(axis=1)
+        weight = self.count * self._printed
         return float((weight * each).sum() / max(float(weight.sum()), 0.05 * float(self.count.sum()), 1.0))
+
+    @property
+    def shown(self) -> float:
+        """How much of what is drawn is print above noise, 0 to 1; 1 where nothing is drawn."""
+        if not len(self.count):
+            return 1.0
+        return float((self.count * self._printed).sum() / self.count.sum())
+
+    @property
+    def _printed(self) -> Floats:
+        """(K,) share of the drawn's variance in that of the drawn and noise."""
+        drawn = self.moments[1]
+        noise = self.noise + FLOOR + (MODEL * self.gain) ** 2 * drawn
+        return np.asarray((drawn / (drawn + noise)).mean(axis=1))
 
 
 def blocks_of(crop: Crop, shown: NDArray[np.float32], visible: Mask, side: int) -> Blocks:

@@ -13,7 +13,7 @@ from geometry.arrays import Floats
 from sensing.pixels.blocks import Blocks, blocks_of, smoothed
 from sensing.pixels.crop import Crop, clear
 from sensing.pixels.drawn import Drawn, Paint
-from sensing.pixels.lines import NOWHERE, SLACK, Lines, between_colours, on_edges, outline_of
+from sensing.pixels.lines import NOWHERE, SLACK, Lines, between_colours, creases_of, on_edges, outline_of
 
 EDGES, PRINT, REGION = 5.0, 27.0, 3.0
 """What the mean over an outline of edges, the print of a whole surface, and the mean over an outline of colours are
@@ -31,7 +31,12 @@ WHOLE = 0.4
 
 ODDS = -11.3, 5.7, 4.6, 36.9, 3.4
 """What is told of a fit that is not there at all, by a unit of edges, of region, of print up to ``FIRM``, and of print
-beyond it (``python benchmarks/pixel_odds.py KB SCENE``)."""
+beyond it, of what shows print (``python benchmarks/pixel_odds.py KB SCENE``)."""
+PLAIN = -1.6, 2.5, 4.0, 11.1, 1.8, 5.9, 3.5
+"""The same of what is plain: of a fit that is not there at all, by a unit of edges, of region, of print up to ``FIRM``,
+of creases, of ``quiet`` and of ``length``."""
+PRINTED = 0.2, 0.5
+"""``shown`` up to which something is plain, and from which it shows print."""
 FIRM = 0.3
 """Print that is hardly ever met by chance alone; with an outline as well, the object is there."""
 HALF = 0.5
@@ -39,12 +44,28 @@ HALF = 0.5
 of what is wholly hidden nothing is told."""
 LEAST = -12.0
 """So much is believed against an object at most: pixels are not independent."""
+FEWEST_CREASES = 6
+LONG, USUAL, LITTLE = 250.0, 0.15, 0.08
+"""Pixels of an outline from which it is not short; usual and least standard deviation of what edges tell by chance."""
+SOME = 0.5
+"""Edges, nats a line, from which quiet about an outline speaks for it in full: where nothing is, it is quiet, too."""
+FEWEST_BESIDE = 4
+_BESIDE = np.array(
+    [
+        [radius * np.cos(angle), radius * np.sin(angle)]
+        for radius in (0.15, 0.25, 0.35)
+        for angle in np.arange(8) * np.pi / 4.0
+    ]
+)
+"""(24, 2) shares of the object's size by which an outline is moved to see what chance tells of it."""
 
 
 class Fit(NamedTuple):
     """Of one pose: ``edges``, ``region`` (means, nats a line), ``print_`` (nats) and ``correlation`` of its print.
 
-    ``visible``: share of its outline that is in the photo with nothing before it.
+    ``visible``: share of its outline that is in the photo with nothing before it; ``shown``: of what is drawn, 0 to 1,
+    that is print above noise. What ``odds`` are of besides: ``creases`` (mean, nats a line, of few less), ``quiet``
+    (how little outlines beside this one differ by chance in their edges, nats) and ``length`` of its outline (nats).
     """
 
     edges: float
@@ -52,6 +73,10 @@ class Fit(NamedTuple):
     print_: float
     correlation: float
     visible: float
+    shown: float = 1.0
+    creases: float = 0.0
+    quiet: float = 0.0
+    length: float = 0.0
 
     @property
     def score(self) -> float:
@@ -60,15 +85,34 @@ class Fit(NamedTuple):
 
     @property
     def odds(self) -> float:
-        """Logarithm of how much likelier such a fit is of an object that is there than of none."""
-        return max(LEAST, float(np.dot(ODDS, self.told)))
+        """Logarithm of how much likelier such a fit (of ``whole``) is of an object that is there than of none."""
+        share = printed(self)
+        both = share * np.dot(ODDS, self.told), (1.0 - share) * np.dot(PLAIN, self.told_plainly)
+        return max(LEAST, float(sum(both)))
 
     @property
     def told(self) -> tuple[float, ...]:
         """(5,) what the weights ``ODDS`` are of."""
         firm = min(self.print_, FIRM)
-        owed = min(1.0, self.visible / HALF)
-        return owed, self.visible * self.edges, self.visible * self.region, firm, self.print_ - firm
+        return self.owed, self.visible * self.edges, self.visible * self.region, firm, self.print_ - firm
+
+    @property
+    def told_plainly(self) -> tuple[float, ...]:
+        """(7,) what the weights ``PLAIN`` are of."""
+        lines = self.visible * self.edges, self.visible * self.region
+        quiet = self.quiet * (float(np.clip(self.edges / SOME, 0.0, 1.0)) if self.quiet > 0.0 else 1.0)
+        beside = self.visible * self.creases, self.owed * quiet, self.owed * self.length
+        return self.owed, *lines, min(self.print_, FIRM), *beside
+
+    @property
+    def owed(self) -> float:
+        """How much of an outline is owed by the share in sight."""
+        return min(1.0, self.visible / HALF)
+
+
+def printed(fit: Fit) -> float:
+    """How far a fit is judged as one of what shows print, 0 to 1."""
+    return float(np.clip((fit.shown - PRINTED[0]) / (PRINTED[1] - PRINTED[0]), 0.0, 1.0))
 
 
 NO_FIT = Fit(-9.0, -9.0, 0.0, 0.0, 0.0)
@@ -86,8 +130,8 @@ def edges_told(off: Floats, reach: int) -> Floats:
     return np.where(off < NOWHERE, np.log(((1.0 - CLUTTER) * bell + CLUTTER * even) / even), MISSED)
 
 
-def fit_of(crop: Crop, paint: Paint, pose: Floats) -> Fit:
-    """How well a pose (4, 4) fits."""
+def fit_of(crop: Crop, paint: Paint, pose: Floats, *, whole: bool = False) -> Fit:
+    """How well a pose (4, 4) fits; ``whole``: with all that its ``odds`` are of, which its ``score`` does not need."""
     drawn = paint.drawn(pose, crop.K, crop.shape)
     slack = SLACK * paint.diameter
     lines = outline_of(crop, drawn, slack)
@@ -99,7 +143,32 @@ def fit_of(crop: Crop, paint: Paint, pose: Floats) -> Fit:
     edges = float(edges_told(on_edges(crop, lines, reach)[0], reach).mean())
     fine = squares_of(crop, drawn, slack, max(5, round(crop.size / 10.0)))
     worth = 12.0 * fine.explained / (WHOLE * crop.size**2)
-    return Fit(edges, region, worth, fine.correlation, visible_share(lines))
+    fit = Fit(edges, region, worth, fine.correlation, visible_share(lines), fine.shown)
+    if not whole:
+        return fit
+    creases = creases_of(crop, drawn, slack)
+    found = edges_told(on_edges(crop, creases, reach)[0], reach).mean() if len(creases) >= FEWEST_CREASES else 0.0
+    few = min(1.0, creases.left / lines.left)
+    return fit._replace(
+        creases=float(found * few),
+        quiet=-float(np.log(by_chance(crop, lines, reach) / USUAL)),
+        length=min(0.0, float(np.log(lines.left / LONG))),
+    )
+
+
+def by_chance(crop: Crop, lines: Lines, reach: int) -> float:
+    """Standard deviation of what edges tell of outlines like this one beside it."""
+    at = lines.at[::2] + crop.size * _BESIDE[:, None]
+    within = ((at > reach + 2) & (at < np.array(crop.shape) - reach - 3)).all(axis=2)
+    many = len(_BESIDE)
+    moved = Lines(at.reshape(-1, 2), np.tile(lines.across[::2], (many, 1)), np.tile(lines.depth[::2], many), 0, 0)
+    told = edges_told(on_edges(crop, moved, reach)[0], reach).reshape(within.shape)
+    count = within.sum(axis=1)
+    enough = count >= FEWEST_LINES / 2
+    if enough.sum() < FEWEST_BESIDE:
+        return USUAL
+    means = (told * within).sum(axis=1)[enough] / count[enough]
+    return max(float(means.std()), LITTLE)
 
 
 def squares_of(crop: Crop, drawn: Drawn, slack: float, side: int, rim: int = 3) -> Blocks:

@@ -68,7 +68,7 @@ refined to the end."""
 def refined(
     photo: Photo, paint: Paint, pose: Floats, before: Sequence[tuple[RayMesh, Floats]] = ()
 ) -> tuple[Floats, Fit] | None:
-    """The best-fitting pose (4, 4) from a start and from starts beside it, and its fit; None where it is not in sight.
+    """The best-fitting pose (4, 4) from a start and from starts beside it, and its whole fit; None if not in sight.
 
     ``before``: the surfaces of what stands there for sure, and its poses.
     """
@@ -82,7 +82,7 @@ def refined(
     poses = [pose, *(settled(large, paint, some, exact(trust)) for some in best)]
     fits = [fit_of(large, paint, some) for some in poses]
     chosen = choice(fits)[0]
-    return poses[chosen], fits[chosen]
+    return poses[chosen], fit_of(large, paint, poses[chosen], whole=True)
 
 
 def ordered(crop: Crop, paint: Paint, poses: Sequence[Floats]) -> tuple[list[tuple[Floats, float]], float]:

@@ -31,7 +31,7 @@ from plogic.match.learned.keypoints import Lexicon, lexicon_of
 from plogic.match.learned.learned_match import ROBUST, matched, pose_of, precision
 from plogic.match.learned.learned_pixels import NO_POSES, hiding, looked_beside, pictured
 from plogic.match.learned.learned_poses import NOBODY, REFINED, VERIFIED, Voted, generate, resting, voted
-from plogic.match.learned.learned_views import PRINTED, VIEWS, keypoints_shown, seen_anywhere
+from plogic.match.learned.learned_views import PRINTED, SEEN, VIEWS, keypoints_shown, seen_anywhere
 from plogic.measures.distinctiveness import Kinds, kinds_of, rank_of_kinds
 
 if TYPE_CHECKING:
@@ -146,9 +146,14 @@ class LearnedIndex:
         return None if mesh is None or mesh.texture is None else Paint(mesh)
 
     @cached_property
+    def plain(self) -> bool:
+        """Whether it has little print."""
+        return keypoints_shown(self.cloud) < PRINTED
+
+    @cached_property
     def body(self) -> "Body | None":
         """What it looks like from all around, where it has little print; None where it has no texture."""
-        if self.paint is None or keypoints_shown(self.cloud) >= PRINTED:
+        if self.paint is None or not self.plain:
             return None
         from geometry.files.remembered import cache_folder
         from sensing.views.kept import kept_views
@@ -197,9 +202,9 @@ class LearnedIndex:
         """A hypothesis told what its pixels say by which of these others, by id, are present; and how sure its pose."""
         return pictured(self, posed, others, data)
 
-    def significance(self, posed: Hypothesis) -> float:  # noqa: ARG002 - of other kinds it depends on the hypothesis
-        """All poses of a learned type are counted in its evidence."""
-        return SURE
+    def significance(self, posed: Hypothesis) -> float:
+        """All poses of a learned type are counted in its evidence; pixels of what has little print tell of one."""
+        return SEEN if posed.pixels is not None and self.plain else SURE
 
 
 def learned_index(object_type: ObjectType, dv: Mapping[str, float], lexicon: Lexicon | None = None) -> LearnedIndex:

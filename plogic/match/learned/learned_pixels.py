@@ -132,7 +132,9 @@ def looked_beside(index: LearnedIndex, posed: Hypothesis, others: Sequence[Hypot
     from sensing.pixels.refine import FINE
 
     crop = crop_of(data.photo, index.paint, posed.camera_from_object, FINE, before)
-    return posed if crop is None else posed.told(pixels=fit_of(crop, index.paint, posed.camera_from_object).odds)
+    if crop is None:
+        return posed
+    return posed.told(pixels=fit_of(crop, index.paint, posed.camera_from_object, whole=True).odds)
 
 
 def pictured(index: LearnedIndex, posed: Hypothesis, others: Mapping[str, Hypothesis], data: Data) -> Hypothesis:
@@ -185,5 +187,5 @@ def _looked_among(
     for row in range(2 ** len(some)):
         present = [masked[name].before for i, name in enumerate(some) if row >> i & 1]
         beside = replace(crop, before=np.min([crop.before, *present], axis=0))
-        odds.append(fit_of(beside, paint, pose).odds + 0.0)
+        odds.append(fit_of(beside, paint, pose, whole=True).odds + 0.0)
     return PixelTable(tuple(some), tuple(odds), tuple(names[MOST_BEFORE:]))

@@ -17,10 +17,12 @@ from geometry.frames import pose_error, transform_points
 from kb.clouds.lobes import in_lobe
 from plogic.match.gamma.data import data_of
 from plogic.match.gamma.grid import screen_angle
+from plogic.match.judged.type_models import SURE
 from plogic.match.learned.agreement import ANGLES, ASIDE, SIZES, lobes_held
 from plogic.match.learned.keypoints import FARTHEST
 from plogic.match.learned.learned_match import FEWEST, LOOSER, NOISE, WIDE, blur, matched, pose_of
 from plogic.match.learned.learned_poses import generate
+from plogic.match.learned.learned_views import SEEN, keypoints_shown
 
 
 def posed_of(thing, pose, data):
@@ -193,3 +195,14 @@ def test_the_pose_is_found_among_clutter_and_the_evidence_says_so():
         generate(thing.index, data_of(clutter, CAMERA), thing.kb) == []
         or generate(thing.index, data_of(clutter, CAMERA), thing.kb)[0][0] < 20
     )
+
+
+@pytest.mark.parametrize(("lobes", "demanded"), [(20, SEEN), (600, SURE)])
+def test_pixels_of_what_has_little_print_need_say_less(lobes, demanded):
+    """Of what keypoints say, all poses count."""
+    thing = ready(random_cloud(3, 10, lobes, half_angle=np.full(lobes, pi), hit=np.full(lobes, 0.5)))
+    pose = pose_before(np.random.default_rng(3))
+    posed = posed_of(thing, pose, gamma_at(thing.cloud, [], pose))
+    assert keypoints_shown(thing.cloud) == pytest.approx(0.5 * lobes)
+    assert thing.index.significance(posed) == SURE
+    assert thing.index.significance(posed.told(pixels=1.0)) == demanded

@@ -13,7 +13,7 @@ from geometry.frames import inverse, transform_points
 from kb.surfaces.surface import Surface
 from sensing.pixels.crop import crop_of
 from sensing.pixels.drawn import Paint
-from sensing.pixels.energy import NO_FIT, choice, fit_of, trusted
+from sensing.pixels.energy import NO_FIT, choice, fit_of, printed, trusted
 from sensing.pixels.photo import Photo
 from sensing.pixels.refine import FINE, different, moved, refined, starts_about
 
@@ -110,6 +110,33 @@ def test_another_print_on_the_same_shape_is_not_it(photo):
     assert its.correlation < 0.5 * mine.correlation
     assert its.odds < 0.0
     assert mine.odds > 8.0
+
+
+def test_a_plain_cube_is_told_by_its_outline_and_creases(photo):
+    """In clutter, where outlines beside it have edges by chance, the same is worth less."""
+    grey = Paint(replace(cube(), texture=np.full_like(cube().texture, 150)))
+    crop = crop_of(photo, grey, TRUE, FINE)
+    fit, off_it = (fit_of(crop, grey, pose, whole=True) for pose in (TRUE, disturbed(grey, (25, 0, 10))))
+    assert printed(fit) == 0.0
+    assert fit.creases > 2.0 * off_it.creases
+    assert fit.odds > 5.0 > off_it.odds
+    rng = np.random.default_rng(2)
+    image = photo.image.copy()
+    for x, y in rng.integers(0, (CAMERA.width, CAMERA.height), (400, 2)):
+        cv2.line(image, (int(x), int(y)), (int(x) + 30, int(y) + int(rng.integers(-30, 30))), (0, 0, 0), 2)
+    own = grey.drawn(TRUE, CAMERA.K, (CAMERA.width, CAMERA.height)).mask
+    image[own] = photo.image[own]
+    cluttered = fit_of(crop_of(Photo(image, CAMERA), grey, TRUE, FINE), grey, TRUE, whole=True)
+    assert cluttered.odds < fit.odds
+
+
+def test_only_a_whole_fit_has_what_its_odds_are_of(paint, photo):
+    crop = crop_of(photo, paint, TRUE, FINE)
+    part, whole = (fit_of(crop, paint, TRUE, whole=some) for some in (False, True))
+    assert part.score == whole.score
+    assert part.creases == part.quiet == part.length == 0.0
+    assert whole.creases != 0.0
+    assert whole.quiet != 0.0
 
 
 def test_what_is_before_it_tells_nothing_against_it(paint):
