@@ -26,9 +26,9 @@ PRINTED = 130.0
 """Keypoints in the mean picture of a type, in learning, from which on it is found by these alone."""
 VIEWS = 400
 """Of a type, from all around."""
-SEEN = 2.0
-"""Log-likelihood ratio from which the pixels of such a type convince: nine of ten of the best poses of each type are
-found then (``python benchmarks/pixel_odds.py KB SCENE``). It is of poses that looks picked, not of all poses."""
+SEEN = 2.7
+"""Log-likelihood ratio from which the pixels of such a type convince: 15 to 1, less than of all poses, for they are
+asked of few that looks picked. ``python benchmarks/pixel_odds.py KB SCENE`` prints from which on nine of ten are found."""
 PROPOSED = 20
 """Poses of a type."""
 
