@@ -28,7 +28,8 @@ VIEWS = 400
 """Of a type, from all around."""
 SEEN = 2.7
 """Log-likelihood ratio from which the pixels of such a type convince: 15 to 1, less than of all poses, for they are
-asked of few that looks picked. ``python benchmarks/pixel_odds.py KB SCENE`` prints from which on nine of ten are found."""
+asked of few that looks picked. From which on nine of ten are found, ``python benchmarks/pixel_odds.py KB SCENE``
+prints."""
 PROPOSED = 20
 """Poses of a type."""
 
