@@ -32,7 +32,7 @@ WHOLE = 0.4
 ODDS = -11.3, 5.7, 4.6, 36.9, 3.4
 """What is told of a fit that is not there at all, by a unit of edges, of region, of print up to ``FIRM``, and of print
 beyond it, of what shows print (``python benchmarks/pixel_odds.py KB SCENE``)."""
-PLAIN = -1.6, 2.5, 4.0, 11.1, 1.8, 5.9, 3.5
+PLAIN = -1.1, 2.6, 3.8, 10.8, 2.2, 7.5, 3.3
 """The same of what is plain: of a fit that is not there at all, by a unit of edges, of region, of print up to ``FIRM``,
 of creases, of ``quiet`` and of ``length``."""
 PRINTED = 0.2, 0.5
@@ -45,10 +45,9 @@ of what is wholly hidden nothing is told."""
 LEAST = -12.0
 """So much is believed against an object at most: pixels are not independent."""
 FEWEST_CREASES = 6
-LONG, USUAL, LITTLE = 250.0, 0.15, 0.08
-"""Pixels of an outline from which it is not short; usual and least standard deviation of what edges tell by chance."""
-SOME = 0.5
-"""Edges, nats a line, from which quiet about an outline speaks for it in full: where nothing is, it is quiet, too."""
+LONG, USUAL = 250.0, 0.15
+"""Pixels of an outline from which it is not short; standard deviation of what edges tell by chance, up to which nothing
+is said: where nothing is, it is quiet, too."""
 FEWEST_BESIDE = 4
 _BESIDE = np.array(
     [
@@ -65,7 +64,7 @@ class Fit(NamedTuple):
 
     ``visible``: share of its outline that is in the photo with nothing before it; ``shown``: of what is drawn, 0 to 1,
     that is print above noise. What ``odds`` are of besides: ``creases`` (mean, nats a line, of few less), ``quiet``
-    (how little outlines beside this one differ by chance in their edges, nats) and ``length`` of its outline (nats).
+    (0, or less where outlines beside this one differ by chance in their edges, nats) and ``length`` of its outline, nats.
     """
 
     edges: float
@@ -100,8 +99,7 @@ class Fit(NamedTuple):
     def told_plainly(self) -> tuple[float, ...]:
         """(7,) what the weights ``PLAIN`` are of."""
         lines = self.visible * self.edges, self.visible * self.region
-        quiet = self.quiet * (float(np.clip(self.edges / SOME, 0.0, 1.0)) if self.quiet > 0.0 else 1.0)
-        beside = self.visible * self.creases, self.owed * quiet, self.owed * self.length
+        beside = self.visible * self.creases, self.owed * self.quiet, self.owed * self.length
         return self.owed, *lines, min(self.print_, FIRM), *beside
 
     @property
@@ -151,7 +149,7 @@ def fit_of(crop: Crop, paint: Paint, pose: Floats, *, whole: bool = False) -> Fi
     few = min(1.0, creases.left / lines.left)
     return fit._replace(
         creases=float(found * few),
-        quiet=-float(np.log(by_chance(crop, lines, reach) / USUAL)),
+        quiet=min(0.0, -float(np.log(max(by_chance(crop, lines, reach), USUAL) / USUAL))),
         length=min(0.0, float(np.log(lines.left / LONG))),
     )
 
@@ -168,7 +166,7 @@ def by_chance(crop: Crop, lines: Lines, reach: int) -> float:
     if enough.sum() < FEWEST_BESIDE:
         return USUAL
     means = (told * within).sum(axis=1)[enough] / count[enough]
-    return max(float(means.std()), LITTLE)
+    return float(means.std())
 
 
 def squares_of(crop: Crop, drawn: Drawn, slack: float, side: int, rim: int = 3) -> Blocks:

@@ -26,8 +26,8 @@ PRINTED = 130.0
 """Keypoints in the mean picture of a type, in learning, from which on it is found by these alone."""
 VIEWS = 400
 """Of a type, from all around."""
-SEEN = 2.7
-"""Log-likelihood ratio from which the pixels of such a type convince: 15 to 1, less than of all poses, for they are
+SEEN = 3.0
+"""Log-likelihood ratio from which the pixels of such a type convince: 20 to 1, less than of all poses, for they are
 asked of few that looks picked. From which on nine of ten are found, ``python benchmarks/pixel_odds.py KB SCENE``
 prints."""
 PROPOSED = 20
