@@ -64,7 +64,7 @@ class Fit(NamedTuple):
 
     ``visible``: share of its outline that is in the photo with nothing before it; ``shown``: of what is drawn, 0 to 1,
     that is print above noise. What ``odds`` are of besides: ``creases`` (mean, nats a line, of few less), ``quiet``
-    (0, or less where outlines beside this one differ by chance in their edges, nats) and ``length`` of its outline, nats.
+    (0, or less where outlines beside this one differ by chance in their edges, nats) and ``length`` of it (nats).
     """
 
     edges: float
