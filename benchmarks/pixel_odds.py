@@ -13,7 +13,7 @@ poses of absent types pass ``PROMISING`` before they are refined.
 
 import argparse
 import json
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from pathlib import Path
 from typing import NamedTuple
@@ -29,10 +29,9 @@ from geometry.files.camera_files import read_camera
 from geometry.frames import from_rotation_translation, transform_points
 from plogic.base.jobs import each, processors
 from plogic.match.gamma.data import data_of
-from plogic.match.judged.rivals import distinct_poses
 from plogic.match.judged.type_models import SURE
 from plogic.match.learned.learned_models import LearnedIndex
-from plogic.match.learned.learned_pixels import FITTED, FITTED_SEEN, PROMISING, SCREENED
+from plogic.match.learned.learned_pixels import FITTED, FITTED_SEEN, NO_POSES, PROMISING, SCREENED, screened
 from plogic.match.learned.learned_poses import proposed
 from plogic.match.learned.learned_views import seen_anywhere
 from plogic.run.bop.models import ids_of, model_names
@@ -40,11 +39,10 @@ from plogic.run.perceive import Perceiver
 from plogic.run.sources import kb_of
 from sensing.detectors.detector import detect
 from sensing.files.images import read_image
-from sensing.pixels.crop import crop_of
 from sensing.pixels.drawn import Paint
-from sensing.pixels.energy import ODDS, PLAIN, Fit, fit_of, printed
+from sensing.pixels.energy import ODDS, PLAIN, Fit, printed
 from sensing.pixels.photo import Photo
-from sensing.pixels.refine import COARSE, refined
+from sensing.pixels.refine import refined
 
 DEVELOPED, APART = 5000, 1000
 """First seed of simulated photos, and how far the next KB's are from it: those of ``plogic bench recognition`` are
@@ -135,10 +133,10 @@ def rows_of(perceiver: Perceiver, shown: Shown) -> Iterator[Row]:
     for name, paint in paints.items():
         index = perceiver.models[name]
         assert isinstance(index, LearnedIndex)  # noqa: S101 - it has paint
-        poses, _ = proposed(index, data, kb, thin=False)
-        some = distinct_poses(index.object_type, poses, SCREENED)
-        starts = _best(photo, paint, some, FITTED) + _best(photo, paint, seen.get(name, ()), FITTED_SEEN)
-        for score, pose in starts:
+        by_keypoints = screened(index, *proposed(index, data, kb, thin=False), data, (), SCREENED)[:FITTED]
+        poses = seen.get(name, NO_POSES)
+        by_views = screened(index, poses, np.zeros(len(poses)), data, (), len(poses))[:FITTED_SEEN]
+        for score, pose, _ in by_keypoints + by_views:
             found = refined(photo, paint, pose)
             if found is None:
                 continue
@@ -154,13 +152,6 @@ def rows_of(perceiver: Perceiver, shown: Shown) -> Iterator[Row]:
             line = f"{shown.name} {name} {said} ADD {off:.3f} over {own:.2f} coarse {score:.1f} odds {fit.odds:.1f}"
             line = " ".join([line, *(f"{value:.2f}" for value in fit)])
             yield Row(shown.name, name, there, outlined, off, score, fit, line)
-
-
-def _best(photo: Photo, paint: Paint, poses: Iterable[Floats], most: int) -> list[tuple[float, Floats]]:
-    """The poses (4, 4) that fit best as they are, with their scores."""
-    crops = [(crop_of(photo, paint, pose, COARSE), pose) for pose in poses]
-    coarse = [(fit_of(crop, paint, pose).score, pose) for crop, pose in crops if crop is not None]
-    return sorted(coarse, key=lambda pair: -pair[0])[:most]
 
 
 def paints_of(perceiver: Perceiver) -> dict[str, Paint]:
@@ -191,21 +182,14 @@ def _off(index: LearnedIndex, paint: Paint, pose: Floats, true: Floats) -> float
 
 def learned(rows: list[Row]) -> tuple[Floats, Floats]:
     """(5,) the weights of what shows print, and (7,) those of what is plain."""
-    some, outlined = ([row for row in rows if not np.isnan(label(row))] for label in (_there, _found))
+    some = [row for row in rows if not np.isnan(row.there)]
+    outlined = [row for row in rows if not np.isnan(row.found)]
     share = np.array([printed(row.fit) for row in some])
     plainly = np.array([1.0 - printed(row.fit) for row in outlined])
     return (
         logistic([row.fit.told for row in some], [row.there for row in some], share, SCALES[0]),
         logistic([row.fit.told_plainly for row in outlined], [row.found for row in outlined], plainly, SCALES[1]),
     )
-
-
-def _there(row: Row) -> float:
-    return row.there
-
-
-def _found(row: Row) -> float:
-    return row.found
 
 
 def logistic(

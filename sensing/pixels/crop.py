@@ -15,7 +15,7 @@ from geometry.arrays import Floats, Ints
 from geometry.frames import inverse
 from geometry.visibility.rays import RayMesh
 from sensing.pixels.drawn import Drawn, Paint
-from sensing.pixels.photo import DULLED, Photo, lab_of
+from sensing.pixels.photo import DULLED, Photo, lab_of, nearest, steepest
 
 BLUR = 0.4
 """Pixels, standard deviation, by which the photo is smoothed before it is made smaller."""
@@ -48,16 +48,12 @@ class Crop:
     @cached_property
     def colour(self) -> Ints:
         """(h, w) which of the palette each pixel is."""
-        here = (self.lab * DULLED).reshape(-1, 3)
-        off = (self.palette**2).sum(axis=1) - 2.0 * here @ self.palette.T
-        return np.asarray(off.argmin(axis=1).reshape(self.lab.shape[:2]), np.int64)
+        return nearest((self.lab * DULLED).reshape(-1, 3), self.palette).reshape(self.lab.shape[:2])
 
     @cached_property
     def gradient(self) -> NDArray[np.float32]:
         """(h, w, 2) of the channel in which it is steepest, units of Lab a pixel."""
-        both = np.stack([cv2.Scharr(self.lab, cv2.CV_32F, *way) / 32.0 for way in ((1, 0), (0, 1))], axis=-1)
-        steepest = (both**2).sum(axis=3).argmax(axis=2)[..., None, None]
-        return np.asarray(np.take_along_axis(both, steepest, axis=2)[:, :, 0], np.float32)
+        return steepest(self.lab)
 
 
 MARGIN = 0.18, 8.0

@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from geometry.arrays import Floats, Mask
+from geometry.bodies.resting import hull_corners
 from geometry.frames import inverse, transform_points
 from sensing.simulated.body import Body, TexturedMesh
 from sensing.simulated.camera import extent
@@ -44,7 +45,7 @@ class Paint:
         self.mesh = mesh
         self.middle, self.diameter = extent(mesh.vertices)
         self._caster = Caster([Body(None, mesh, np.eye(4))])
-        self._outer = outermost(mesh.vertices)
+        self._outer = hull_corners(mesh.vertices)
 
     def box(self, pose: Floats, K: Floats) -> Floats | None:
         """(2, 2) least and greatest pixel (u, v) of its vertices at a pose (4, 4); None where some are too near."""
@@ -79,16 +80,3 @@ class Paint:
         result.depth[window] = np.where(hit, found.depth, np.inf).reshape(u.shape)
         result.normal[window] = normal.reshape(*u.shape, 3)
         return result
-
-
-def outermost(points: Floats) -> Floats:
-    """The corners (M, 3) of the convex hull of points (N, 3): they alone decide how far these reach any way.
-
-    All points, where they have no volume.
-    """
-    from scipy.spatial import ConvexHull, QhullError
-
-    try:
-        return np.asarray(points[ConvexHull(points).vertices])
-    except QhullError:
-        return points

@@ -44,11 +44,11 @@ HALF = 0.5
 of what is wholly hidden nothing is told."""
 LEAST = -12.0
 """So much is believed against an object at most: pixels are not independent."""
-FEWEST_CREASES = 6
 LONG, USUAL = 250.0, 0.15
 """Pixels of an outline from which it is not short; standard deviation of what edges tell by chance, up to which nothing
 is said: where nothing is, it is quiet, too."""
-FEWEST_BESIDE = 4
+FEWEST_CREASES, FEWEST_BESIDE = 6, 4
+"""Lines across creases, and outlines beside, of fewer of which nothing is said."""
 _BESIDE = np.array(
     [
         [radius * np.cos(angle), radius * np.sin(angle)]

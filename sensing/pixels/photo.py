@@ -11,7 +11,7 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from geometry.arrays import Bytes
+from geometry.arrays import Bytes, Ints
 from geometry.camera import Camera
 
 COLOURS = 32
@@ -51,10 +51,25 @@ class Photo:
         """(``COLOURS``, 3) of its own, brightness dulled."""
         every = max(1, round((self.image.shape[0] * self.image.shape[1] / SAMPLES) ** 0.5))
         some = lab_of(self.image[::every, ::every].astype(np.float32)) * DULLED
-        cv2.setRNGSeed(1)
-        which = np.zeros((len(some.reshape(-1, 3)), 1), np.int32)
-        enough = (cv2.TERM_CRITERIA_EPS + cv2.TERM_CRITERIA_MAX_ITER, 8, 0.5)
-        some = np.ascontiguousarray(some.reshape(-1, 3))
-        return np.asarray(
-            cv2.kmeans(some, min(COLOURS, len(some)), which, enough, 1, cv2.KMEANS_PP_CENTERS)[2], np.float32
-        )
+        return palette_of(some.reshape(-1, 3), COLOURS)
+
+
+def palette_of(colours: NDArray[np.float32], number: int) -> NDArray[np.float32]:
+    """(``number`` or fewer, 3) middles of colours (N, 3), brightness dulled."""
+    cv2.setRNGSeed(1)
+    which, enough = np.zeros((len(colours), 1), np.int32), (cv2.TERM_CRITERIA_EPS + cv2.TERM_CRITERIA_MAX_ITER, 8, 0.5)
+    some = np.ascontiguousarray(colours)
+    return np.asarray(cv2.kmeans(some, min(number, len(some)), which, enough, 1, cv2.KMEANS_PP_CENTERS)[2], np.float32)
+
+
+def nearest(colours: NDArray[np.float32], palette: NDArray[np.float32]) -> Ints:
+    """(N,) which of a palette (C, 3) each of colours (N, 3) is, both dulled."""
+    off = (palette**2).sum(axis=1) - 2.0 * colours @ palette.T
+    return np.asarray(off.argmin(axis=1), np.int64)
+
+
+def steepest(image: NDArray[np.float32]) -> NDArray[np.float32]:
+    """(h, w, 2) slope a pixel, x and y, of the channel of (h, w, C) in which it is steepest."""
+    both = np.stack([cv2.Scharr(image, cv2.CV_32F, *way) / 32.0 for way in ((1, 0), (0, 1))], axis=-1)
+    which = (both**2).sum(axis=3).argmax(axis=2)[..., None, None]
+    return np.asarray(np.take_along_axis(both, which, axis=2)[:, :, 0], np.float32)

@@ -12,13 +12,14 @@ direction across, and the type's colours twice, for what is inside and for what 
 
 from dataclasses import dataclass, field
 from functools import cached_property
+from typing import Any
 
 import cv2
 import numpy as np
 from numpy.typing import NDArray
 
 from geometry.arrays import Floats, Ints
-from sensing.pixels.photo import lab_of
+from sensing.pixels.photo import lab_of, steepest
 from sensing.views.loops import BINS, MOST, STEPS, counted, responses, stacked, told
 from sensing.views.views import Views
 
@@ -66,9 +67,7 @@ class PhotoMaps:
         key = scale, spread, every
         if key not in self._edges:
             smooth = cv2.GaussianBlur(self.scaled(scale), (0, 0), 0.8)
-            both = np.stack([cv2.Sobel(smooth, cv2.CV_32F, *way) / 8.0 for way in ((1, 0), (0, 1))], axis=-1)
-            steepest = (both**2).sum(axis=3).argmax(axis=2)[..., None, None]
-            x, y = np.moveaxis(np.take_along_axis(both, steepest, axis=2)[:, :, 0], 2, 0)
+            x, y = np.moveaxis(steepest(np.asarray(smooth, np.float32)), 2, 0)
             steep = np.hypot(x, y)
             self._edges[key] = surprise(steep / (steep + STEEP), np.arctan2(y, x), BINS, np.pi, WIDTH, spread, every)
         return self._edges[key]
@@ -104,20 +103,18 @@ class TypeMaps:
         strong = np.minimum(1.0, 2.0 * np.hypot(x, y))
         border = surprise(strong, np.arctan2(y, x), 2 * BINS, 2.0 * np.pi, WIDTH_OF_BORDER, spread, every)
         weights = np.array([ON_BORDER, ON_OUTLINE, ON_INNER])
-        if every == 1:
-            inside, outside = (_steps(share * self._tables)[:, cells] for share in (IN_COLOUR, -OUT_COLOUR))
-        else:
-            mean = np.stack([_thinned(cv2.blur(table[cells], (every, every)), every) for table in self._tables])
-            inside, outside = (_steps(share * mean) for share in (IN_COLOUR, -OUT_COLOUR))
+        colours = np.stack([_thinned(cv2.blur(table[cells], (every, every)), every) for table in self._tables])
+        inside, outside = (_steps(share * colours) for share in (IN_COLOUR, -OUT_COLOUR))
         return np.asarray(stacked(border, edges, inside, outside, weights))
 
 
-def _steps(nats: NDArray[np.float32]) -> NDArray[np.int8]:
+def _steps(nats: Floats) -> NDArray[np.int8]:
     return np.clip(np.rint(nats * UNIT), -MOST, MOST).astype(np.int8)
 
 
-def _thinned(some: NDArray[np.float32], every: int) -> NDArray[np.float32]:
-    return some[every // 2 :: every, every // 2 :: every]
+def _thinned(some: NDArray[Any], every: int) -> NDArray[Any]:
+    """Of every so many pixels of (..., h, w) one."""
+    return np.ascontiguousarray(some[..., every // 2 :: every, every // 2 :: every])
 
 
 def surprise(
@@ -129,15 +126,15 @@ def surprise(
         kernel = np.ones((2 * spread + 1, 2 * spread + 1), np.uint8)
         grade = np.stack([cv2.dilate(one, kernel) for one in grade])
     around = cv2.blur(grade.mean(axis=0, dtype=np.float32), (AROUND, AROUND))
-    grade, around = grade[:, every // 2 :: every, every // 2 :: every], around[every // 2 :: every, every // 2 :: every]
+    grade, around = _thinned(grade, every), _thinned(around, every)
     bounds = np.quantile(around, np.linspace(0.0, 1.0, KINDS + 1)[1:-1])
     kind = np.searchsorted(bounds, around.ravel()).reshape(around.shape)
-    number = counted(np.ascontiguousarray(grade), kind, KINDS)
+    number = counted(grade, kind, KINDS)
     number = cv2.GaussianBlur(number, (0, 0), sigmaX=1.0, sigmaY=0.01) + number.sum(axis=1, keepdims=True) * 1e-3 + 1.0
     usual = number / number.sum(axis=1, keepdims=True)
     right = np.arange(STEPS) + 0.5
     log = np.log((1.0 - HARD) * right / right.sum() / usual + HARD)
-    return np.asarray(told(np.ascontiguousarray(grade), kind, _steps(log)))
+    return np.asarray(told(grade, kind, _steps(log)))
 
 
 def cell_of(lab: NDArray[np.float32]) -> Ints:

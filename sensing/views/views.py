@@ -14,9 +14,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from geometry.arrays import Floats, Indices, Ints
+from geometry.cones import even_directions
 from geometry.frames import look_at
 from sensing.pixels.drawn import Drawn, Paint
-from sensing.pixels.photo import DULLED, lab_of
+from sensing.pixels.photo import DULLED, SAMPLES, lab_of, nearest, palette_of
 
 FROM, WIDE = 6.0, 160
 """Diameters away, and pixels that the diameter is drawn with."""
@@ -52,17 +53,9 @@ class Views(NamedTuple):
     share: Floats
 
 
-def around(number: int) -> Floats:
-    """(N, 3) unit vectors evenly over the sphere."""
-    k = np.arange(number) + 0.5
-    up, turn = 1.0 - 2.0 * k / number, np.pi * (1.0 + 5.0**0.5) * k
-    level = np.sqrt(1.0 - up**2)
-    return np.stack([level * np.cos(turn), level * np.sin(turn), up], axis=1)
-
-
 def views_of(paint: Paint, number: int) -> Views:
     """So many views, evenly from all around."""
-    turns = np.stack([look_at(way, np.zeros(3))[:3, :3] for way in around(number)])
+    turns = np.stack([look_at(way, np.zeros(3))[:3, :3] for way in even_directions(number)])
     size, focal = WIDE + 2 * RIM, WIDE * FROM
     K = np.array([[focal, 0.0, size / 2 - 0.5], [0.0, focal, size / 2 - 0.5], [0.0, 0.0, 1.0]])
     seen = []
@@ -72,32 +65,17 @@ def views_of(paint: Paint, number: int) -> Views:
         pose[:3, 3] = np.array([0.0, 0.0, FROM * paint.diameter]) - turn @ paint.middle
         seen.append(_features(paint.drawn(pose, K, (size, size)), paint.diameter))
     inside = np.concatenate([lab[kind == INSIDE] for _, kind, _, lab in seen])
-    palette, share = _palette(inside)
+    palette = palette_of((inside * DULLED)[:: max(1, len(inside) // SAMPLES)], COLOURS)
+    share = np.bincount(nearest(inside * DULLED, palette), minlength=len(palette)) / len(inside)
     at, kind = np.zeros((number, FEATURES, 2), np.float32), np.full((number, FEATURES), NOTHING, np.int8)
     angle, colour = np.zeros((number, FEATURES), np.float32), np.zeros((number, FEATURES), np.int16)
     for v, (places, kinds, angles, lab) in enumerate(seen):
         n = len(places)
         at[v, :n], kind[v, :n], angle[v, :n] = places, kinds, angles
-        colour[v, :n] = nearest(lab, palette)
+        colour[v, :n] = nearest(lab * DULLED, palette)
     ways = turns[:, 2]
     beside = np.argsort(-(ways @ ways.T), axis=1, kind="stable")[:, 1 : BESIDE + 1]
-    return Views(at, kind, angle, colour, turns, beside, palette, share)
-
-
-def nearest(lab: NDArray[np.float32], palette: NDArray[np.float32]) -> Ints:
-    """(N,) which of a palette (C, 3) each colour (N, 3) is."""
-    off = (lab * DULLED)[:, None] - (palette * DULLED)[None]
-    return np.asarray((off**2).sum(axis=2).argmin(axis=1), np.int64)
-
-
-def _palette(lab: NDArray[np.float32]) -> tuple[NDArray[np.float32], Floats]:
-    some = np.ascontiguousarray((lab * DULLED)[:: max(1, len(lab) // 8000)], np.float32)
-    cv2.setRNGSeed(1)
-    which = np.zeros((len(some), 1), np.int32)
-    enough = (cv2.TERM_CRITERIA_EPS + cv2.TERM_CRITERIA_MAX_ITER, 30, 0.1)
-    centres = cv2.kmeans(some, min(COLOURS, len(some)), which, enough, 2, cv2.KMEANS_PP_CENTERS)[2]
-    palette = np.asarray(centres / DULLED, np.float32)
-    return palette, np.bincount(nearest(lab, palette), minlength=len(palette)) / len(lab)
+    return Views(at, kind, angle, colour, turns, beside, palette / DULLED, share)
 
 
 def _features(drawn: Drawn, diameter: float) -> tuple[Floats, Ints, Floats, NDArray[np.float32]]:
@@ -111,7 +89,7 @@ def _features(drawn: Drawn, diameter: float) -> tuple[Floats, Ints, Floats, NDAr
     within = np.clip(np.rint(rim + 5.0 * inward).astype(int), 0, len(mask) - 1)
     beyond = rim - 8.0 * inward
     out = np.clip(np.rint(beyond).astype(int), 0, len(mask) - 1)
-    some = np.linspace(0, len(rim) - 1, MOST[OUTSIDE]).astype(int)
+    some = _evenly(len(rim), MOST[OUTSIDE])
     some = some[smooth[out[some, 1], out[some, 0]] < 0.2]
     inner, across = _inner(drawn, mask, diameter)
     body = _spread(mask)
@@ -130,7 +108,7 @@ def _outline(mask: NDArray[np.uint8], smooth: NDArray[np.float32]) -> tuple[Ints
     """(N, 2) pixels evenly along the outlines, holes' as well, and (N, 2) unit vectors inward."""
     curves = cv2.findContours(mask, cv2.RETR_CCOMP, cv2.CHAIN_APPROX_NONE)[0]
     every = np.concatenate([curve[:, 0] for curve in curves if len(curve) > 25] or [np.zeros((0, 2), np.int32)])
-    rim = every[np.linspace(0, len(every) - 1, min(MOST[OUTLINE], len(every))).astype(int)]
+    rim = every[_evenly(len(every), MOST[OUTLINE])]
     slope = np.stack([cv2.Sobel(smooth, cv2.CV_32F, *way)[rim[:, 1], rim[:, 0]] for way in ((1, 0), (0, 1))], axis=1)
     return rim, slope / np.maximum(np.linalg.norm(slope, axis=1, keepdims=True), 1e-9)
 
@@ -177,5 +155,9 @@ def _spread(mask: NDArray[np.uint8]) -> Ints:
     body = body if body.sum() > 50 else mask
     step = max(1, round(float(np.sqrt(body.sum() / MOST[INSIDE]))))
     y, x = np.nonzero(body[step // 2 :: step, step // 2 :: step])
-    some = np.linspace(0, len(x) - 1, min(MOST[INSIDE], len(x))).astype(int)
-    return np.column_stack([x, y])[some] * step + step // 2
+    return np.column_stack([x, y])[_evenly(len(x), MOST[INSIDE])] * step + step // 2
+
+
+def _evenly(number: int, most: int) -> Ints:
+    """Which of so many, at most ``most``."""
+    return np.linspace(0, number - 1, min(number, most)).astype(int)

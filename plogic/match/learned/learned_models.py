@@ -287,7 +287,7 @@ class LearnedModels(TypeModels):
         """Compute all that the types compute when they are first asked for it."""
         for index in self.models.values():
             for name, made in vars(type(index)).items():
-                if isinstance(made, cached_property):
+                if isinstance(made, cached_property) and name != "body":  # kept on disk, and only photos ask for it
                     getattr(index, name)
 
 

@@ -62,9 +62,9 @@ def by_pixels(
     assert photo is not None  # noqa: S101 - the caller looked
     assert paint is not None  # noqa: S101
     by_keypoints = [
-        row for row in _screened(index, best, worth, data, before, SCREENED) if row[0] >= PROMISING or row[2] >= WORTHY
+        row for row in screened(index, best, worth, data, before, SCREENED) if row[0] >= PROMISING or row[2] >= WORTHY
     ]
-    by_views = _screened(index, seen, np.zeros(len(seen)), data, before, len(seen))
+    by_views = screened(index, seen, np.zeros(len(seen)), data, before, len(seen))
     starts = [(*row[:2], True) for row in by_keypoints[:FITTED]] + [(*row[:2], False) for row in by_views[:FITTED_SEEN]]
     found = []
     tried: list[tuple[float, Floats]] = []
@@ -81,7 +81,7 @@ def by_pixels(
     return distinct(found, index.object_type)
 
 
-def _screened(
+def screened(
     index: LearnedIndex, poses: Floats, worth: Floats, data: Data, before: Sequence[Before], most: int
 ) -> list[tuple[float, Floats, float]]:
     """How well the first ``most`` of poses (N, 4, 4) that are not in one place fit, with their worth; best first."""

@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from geometry.files.remembered import cache_folder
 from plogic.base.jobs import each
 
 if TYPE_CHECKING:
@@ -40,11 +41,22 @@ def keypoints_shown(cloud: LearnedCloud) -> float:
     return float(share[~cloud.sided].sum())
 
 
+def draw(indices: Sequence[LearnedIndex], processes: int) -> None:
+    """Draw the views of types where they are not kept yet; copies of this process keep theirs on disk."""
+    new = [index for index in indices if "body" not in vars(index)]
+    if cache_folder("views") is not None:
+        with closing(each(lambda index: index.body is None, new, processes)) as drawn:
+            list(drawn)
+    for index in new:
+        _ = index.body
+
+
 def seen_anywhere(indices: Sequence[LearnedIndex], data: Data, processes: int) -> dict[str, Floats]:
     """The poses (N, 4, 4) of each type with little print, by name, the best first."""
-    plain = [index for index in indices if index.body is not None]
+    plain = [index for index in indices if index.plain and index.paint is not None]
     if data.photo is None or not plain:
         return {}
+    draw(plain, processes)
     from sensing.views.maps import PhotoMaps
     from sensing.views.search import searched, share_maps
 

@@ -9,7 +9,7 @@ import pytest
 from geometry.camera import centred_camera
 from geometry.frames import compose, inverse, look_at, pose_error
 from geometry.frames import from_rotation_translation as posed_at
-from sensing.pixels.drawn import Paint, outermost
+from sensing.pixels.drawn import Paint
 from sensing.simulated.body import TexturedMesh
 from sensing.views.kept import kept_views
 from sensing.views.maps import PhotoMaps
@@ -86,9 +86,9 @@ def test_views_are_kept(tmp_path, monkeypatch):
     assert all((a == b).all() for a, b in zip(first, again, strict=True))
 
 
-def test_the_outermost_points_reach_as_far_as_all():
-    rng = np.random.default_rng(0)
-    points, ways = rng.normal(size=(200, 3)), rng.normal(size=(50, 3))
-    assert np.allclose((outermost(points) @ ways.T).max(axis=0), (points @ ways.T).max(axis=0))
-    flat = points * [1.0, 1.0, 0.0]
-    assert (outermost(flat) == flat).all()
+def test_a_plate_seen_from_its_edge_has_views_all_the_same():
+    corners = np.array([[-0.05, -0.05, 0.0], [0.05, -0.05, 0.0], [0.05, 0.05, 0.0], [-0.05, 0.05, 0.0]])
+    plate = Paint(TexturedMesh(corners, np.array([[0, 1, 2], [0, 2, 3]]), np.full((4, 2), 0.5), ORANGE))
+    seen = views_of(plate, 101)  # the middle one looks along it
+    number = (seen.kind == OUTLINE).sum(axis=1)
+    assert number[50] < 10 < np.median(number)

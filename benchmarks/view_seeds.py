@@ -1,0 +1,113 @@
+"""How far down the list of what views suggest the right pose comes, as they are searched for and otherwise.
+
+``python benchmarks/view_seeds.py KB DATASET``: the types of KB are those of DATASET, real photos in BOP's layout, by
+number or by name. For each posed object of which a tenth is visible its type is looked for by its views
+(``sensing.views``), whatever print it has; the first pose counts that is within 25°, up to symmetry, 15 % of the depth,
+and 15 % of its size in the picture of its place. Prints how many objects have it among the first 1, 10 and 50, and the
+seconds of processor of a type, with the constants in use and with one of them changed at a time.
+"""
+
+import argparse
+from collections.abc import Iterator
+from contextlib import ExitStack, contextmanager
+from pathlib import Path
+from statistics import median
+from time import process_time
+
+import numpy as np
+
+from benchmarks.photos.answers import Shown, photos_of
+from benchmarks.photos.score import Posed
+from benchmarks.pixel_odds import paints_of
+from geometry.arrays import Floats
+from geometry.files.remembered import cache_folder
+from geometry.frames import rotation_angle, transform_points
+from kb.clouds.cloud import ObjectType
+from plogic.base.jobs import each, processors
+from plogic.match.learned.learned_views import VIEWS
+from plogic.run.bop.dataset import open_dataset
+from plogic.run.bop.models import ids_of, model_names
+from plogic.run.perceive import Perceiver
+from plogic.run.sources import kb_of
+from sensing.views import search
+from sensing.views.kept import kept_views
+from sensing.views.maps import PhotoMaps
+from sensing.views.search import Body, searched, share_maps
+
+ANGLE, SHARE = np.radians(25.0), 0.15
+FIRST = 1, 10, 50
+OTHERWISE: tuple[dict[str, object], ...] = (
+    {},
+    {"LAID": 100},
+    {"TURNS": 18},
+    {"SIZES": (40.0, 300.0, 1.2)},
+    {"SPREAD": 3},
+    {"SPREAD_FINE": 2},
+    {"SEEDS": 2000},
+)
+
+
+@contextmanager
+def constants(changed: dict[str, object]) -> Iterator[None]:
+    """The search with some of its constants changed."""
+    with ExitStack() as back:
+        for name, value in changed.items():
+            back.callback(setattr, search, name, getattr(search, name))
+            setattr(search, name, value)
+        yield
+
+
+def rank(poses: Floats, truth: Posed, kind: ObjectType, body: Body, focal: float) -> int:
+    """Of poses (N, 4, 4) which is the first right one; ``FIRST[-1]`` where none is."""
+    true = truth.camera_from_object
+    angle = np.min(
+        [rotation_angle(poses[:, :3, :3].transpose(0, 2, 1) @ (true @ m)[:3, :3]) for m in kind.symmetries], 0
+    )
+    here = np.stack([transform_points(pose, body.middle[None])[0] for pose in poses])
+    there = transform_points(true, body.middle[None])[0]
+    across = np.linalg.norm(here[:, :2] / here[:, 2:] - there[:2] / there[2], axis=1) * focal
+    size = focal * body.diameter / there[2]
+    right = (angle < ANGLE) & (np.abs(here[:, 2] / there[2] - 1.0) < SHARE) & (across < SHARE * size)
+    return int(right.argmax()) if right.any() else FIRST[-1]
+
+
+def main(kb_folder: str, dataset: Path) -> None:
+    """Print it all."""
+    kb, opened = kb_of(kb_folder), open_dataset(dataset)
+    assert opened.models is not None  # noqa: S101 - it is a whole dataset
+    numbers = model_names(opened.models) | ids_of([kind.name for kind in kb.types], {})
+    kinds = {numbers[kind.name]: kind for kind in kb.types}
+    paints = {numbers[name]: paint for name, paint in paints_of(Perceiver(kb)).items()}
+    start = process_time()
+    bodies = {
+        n: Body(kept_views(paint, VIEWS, cache_folder("views")), paint.middle, paint.diameter)
+        for n, paint in paints.items()
+    }
+    print(f"views {(process_time() - start) / len(bodies):.2f} s a type, less where they are kept")  # noqa: T201
+
+    def looked(shown: Shown) -> list[tuple[int, float]]:
+        maps = PhotoMaps(shown.image)
+        share_maps(maps)
+        rows = []
+        for truth in (truth for truth in shown.truths if truth.obj_id in bodies):
+            body, began = bodies[truth.obj_id], process_time()
+            poses, _ = searched(maps, shown.camera, body, FIRST[-1])
+            spent = process_time() - began
+            rows.append((rank(poses, truth, kinds[truth.obj_id], body, shown.camera.f), spent))
+        return rows
+
+    shown_all = list(photos_of(opened))
+    for changed in OTHERWISE:
+        with constants(changed):
+            rows = [row for some in each(looked, shown_all, processors()) for row in some]
+        among = ", ".join(f"{sum(r < n for r, _ in rows)} among {n}" for n in FIRST)
+        said = ", ".join(f"{name} = {value}" for name, value in changed.items()) or "as in use"
+        print(f"{said}: of {len(rows)} {among}; {median(s for _, s in rows):.2f} s a type", flush=True)  # noqa: T201
+
+
+if __name__ == "__main__":
+    parser = argparse.ArgumentParser(description=(__doc__ or "").partition("\n")[0])
+    parser.add_argument("kb", metavar="KB")
+    parser.add_argument("dataset", type=Path, metavar="DATASET")
+    asked = parser.parse_args()
+    main(asked.kb, asked.dataset)
