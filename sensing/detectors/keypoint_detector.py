@@ -246,7 +246,7 @@ class WordIndex(Protocol):
 
 
 Like = Callable[[Floats, Floats, Floats], Mask]
-"""(N,) of which of N points, of places (N, 2) pixels, angles (radians) and diameters (pixels), descriptors are wanted."""
+"""(N,) whether descriptors are wanted of N points at places (N, 2) pixels, of angles (radians) and diameters (pixels)."""
 
 
 def described(
