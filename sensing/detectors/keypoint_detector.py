@@ -246,7 +246,7 @@ class WordIndex(Protocol):
 
 
 Like = Callable[[Floats, Floats, Floats], Mask]
-"""(N,) whether descriptors are wanted of N points at places (N, 2) pixels, of angles (radians) and diameters (pixels)."""
+"""(N,) which of N points are wanted, of places (N, 2) pixels, angles (N,) radians and diameters (N,) pixels."""
 
 
 def described(
