@@ -126,7 +126,10 @@ def _stable(number: int, channel: Bytes) -> list[_Region]:
         whole = (corners[:, :2] > 1).all(axis=1) & (corners[:, :2] + corners[:, 2:] < limit - 1).all(
             axis=1
         )  # OpenCV keeps off the outermost pixels
-        found += [(step, listed[i], corners[i, :2], corners[i, 2:]) for i in np.flatnonzero(whole).tolist()]
+        found += [
+            (step, np.asarray(listed[i], np.int32), corners[i, :2], corners[i, 2:])
+            for i in np.flatnonzero(whole).tolist()
+        ]
     return [
         _Region(number, step, points, low, size, _mean(points), math.sqrt(len(points) / math.pi))
         for step, points, low, size in found
