@@ -30,9 +30,9 @@ from plogic.base.jobs import each, processors
 from plogic.match.gamma.data import data_of
 from plogic.match.judged.type_models import SURE
 from plogic.match.learned.learned_models import LearnedIndex
-from plogic.match.learned.learned_pixels import FITTED, FITTED_SEEN, NO_POSES, PROMISING, SCREENED, screened
+from plogic.match.learned.learned_pixels import FITTED, FITTED_SEEN, PROMISING, SCREENED, screened
 from plogic.match.learned.learned_poses import proposed
-from plogic.match.learned.learned_views import seen_anywhere
+from plogic.match.learned.learned_views import maps_for, seen_anywhere
 from plogic.run.bop.dataset import open_dataset
 from plogic.run.bop.models import ids_of, model_names
 from plogic.run.perceive import Perceiver
@@ -122,12 +122,12 @@ def rows_of(perceiver: Perceiver, shown: Seen) -> Iterator[Row]:
     paints = paints_of(perceiver)
     true = {name: [_mask(paints[name], pose, shown.camera) for pose in poses] for name, poses in shown.posed.items()}
     indices = [some for some in perceiver.models.values() if isinstance(some, LearnedIndex)]
-    seen = seen_anywhere(indices, data, 1)
+    maps = maps_for(indices, data, 1)
     for name, paint in paints.items():
         index = perceiver.models[name]
         assert isinstance(index, LearnedIndex)  # noqa: S101 - it has paint
         by_keypoints = screened(index, *proposed(index, data, kb, thin=False), data, (), SCREENED)[:FITTED]
-        poses = seen.get(name, NO_POSES)
+        poses = seen_anywhere(index, maps, data)
         by_views = screened(index, poses, np.zeros(len(poses)), data, (), len(poses))[:FITTED_SEEN]
         for score, pose, _ in by_keypoints + by_views:
             found = refined(photo, paint, pose)
