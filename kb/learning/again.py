@@ -73,10 +73,7 @@ def same(one: Seen, other: Seen) -> tuple[Indices, Indices]:
     nothing = np.zeros(0, np.intp)
     if not len(one.uv) or not len(other.uv):
         return nothing, nothing
-    mine, its = flat(cKDTree(other.uv).query_ball_point(one.uv, reach_of(one), return_sorted=True))
-    turned = np.abs((other.angle[its] - one.angle[mine] + np.pi) % (2 * np.pi) - np.pi)
-    right = (np.abs(np.log(other.scale[its] / one.scale[mine])) < SIMILAR) & (turned < TURNED)
-    mine, its = mine[right], its[right]
+    mine, its = _near(one, other.uv, other.angle, other.scale)
     apart = differences(one.descriptors[mine], other.descriptors[its])
     alike = apart < ALIKE[one.descriptors.shape[1]]
     mine, its, apart = mine[alike], its[alike], apart[alike]
@@ -85,15 +82,37 @@ def same(one: Seen, other: Seen) -> tuple[Indices, Indices]:
     return mine[order][firsts], its[order][firsts]
 
 
+def _near(one: Seen, uv: Floats, angle: Floats, scale: Floats) -> tuple[Indices, Indices]:
+    """Pairs that are the same as far as place, size and direction tell: of ``one``, and of (N,) others."""
+    mine, its = flat(cKDTree(uv).query_ball_point(one.uv, reach_of(one), return_sorted=True))
+    turned = np.abs((angle[its] - one.angle[mine] + np.pi) % (2 * np.pi) - np.pi)
+    right = (np.abs(np.log(scale[its] / one.scale[mine])) < SIMILAR) & (turned < TURNED)
+    return mine[right], its[right]
+
+
+Like = Callable[[Floats, Floats, Floats], Mask]
+"""(N,) which of N points may be the same, by places (N, 2), angles and sizes (N,)."""
+
+
+def may_be(first: Seen) -> Like:
+    """Whether some keypoint of the first picture may be each of those at places (N, 2), of angles and sizes (N,)."""
+
+    def like(uv: Floats, angle: Floats, scale: Floats) -> Mask:
+        found = np.zeros(len(uv), bool)
+        if len(uv) and len(first.uv):
+            found[_near(first, uv, angle, scale)[1]] = True
+        return found
+
+    return like
+
+
 def around(uv: Floats, reach: Floats, shape: tuple[int, ...]) -> Mask:
     """(h, w) of a picture of that shape: all pixels of what is within ``reach`` (N,) pixels of places (N, 2), and more.
 
     Squares, for the sake of speed.
     """
-    mask, half = (
-        np.zeros(shape[:2], np.uint8),
-        np.ceil(reach).astype(int) + 1,
-    )  # either place is half a pixel off its pixel
+    mask = np.zeros(shape[:2], np.uint8)
+    half = np.ceil(reach).astype(int) + 1  # either place is half a pixel off its pixel
     column, row = (np.clip(np.rint(uv[:, i]).astype(int), 0, shape[1 - i] - 1) for i in (0, 1))
     for one in np.unique(half).tolist():
         dots = np.zeros(shape[:2], np.uint8)

@@ -7,6 +7,7 @@ over as many as a cone of its size holds on average, where it holds fewer: a lob
 it was not seen from beside it.
 """
 
+import math
 from dataclasses import replace
 from typing import Any, NamedTuple
 
@@ -162,14 +163,15 @@ def _lobes(seen: Observations, group: NDArray[np.intp], directions: Floats) -> l
     left = group[np.argsort(-seen.hit[group], kind="stable")]
     limit = TINTED if seen.sided[group[0]] else ALIKE[seen.descriptor.shape[1]]
     while len(left):
+        direction = seen.direction[left]
         alike = _apart(looks[left], looks[left[0]]) < limit
-        alike &= seen.direction[left] @ seen.direction[left[0]] > TOGETHER
+        alike &= direction @ direction[0] > TOGETHER
         alike[0] = True
-        members = left[alike]
+        members, direction = left[alike], direction[alike]
         left = left[~alike]
-        axis = seen.direction[members].mean(axis=0)
-        axis = axis / np.linalg.norm(axis)
-        widest = float(np.arccos(np.clip(seen.direction[members] @ axis, -1.0, 1.0)).max())
+        axis = np.add.reduce(direction)
+        axis = axis / math.sqrt(axis @ axis)
+        widest = math.acos(min(1.0, np.minimum.reduce(direction @ axis)))  # means take most of the time of few numbers
         half_angle = widest + BEYOND * spacing(len(directions))
         lobes.append(_Lobe(members, axis, half_angle, _hit(seen, members, axis, half_angle, directions)))
     return lobes
@@ -177,16 +179,16 @@ def _lobes(seen: Observations, group: NDArray[np.intp], directions: Floats) -> l
 
 def _hit(seen: Observations, members: NDArray[np.intp], axis: Floats, half_angle: float, directions: Floats) -> float:
     """The hit rate of a lobe. A picture that shows several points of one stretch of an edge shows that once."""
-    level, view, hit = seen.level[members], seen.view[members], seen.hit[members]
-    reach = np.cos(half_angle)
-    held = int((directions @ axis >= reach).sum())
-    pictures = max(held, len(directions) * (1.0 - reach) / 2.0) * (level.max() - level.min() + 1)
+    level, hit = seen.level[members].tolist(), seen.hit[members].tolist()
+    reach = math.cos(half_angle)
+    held = int(np.count_nonzero(directions @ axis >= reach))
+    pictures = max(held, len(directions) * (1.0 - reach) / 2.0) * (max(level) - min(level) + 1)
     if seen.sided[members[0]]:
         best: dict[tuple[int, int], float] = {}
-        for key, one in zip(zip(level.tolist(), view.tolist(), strict=True), hit.tolist(), strict=True):
+        for key, one in zip(zip(level, seen.view[members].tolist(), strict=True), hit, strict=True):
             best[key] = max(one, best.get(key, 0.0))
-        return float(min(sum(best.values()) / max(pictures, 1.0), 1.0))
-    return float(np.clip(hit.sum() / max(pictures, 1.0), 0.0, 1.0))
+        hit = list(best.values())
+    return min(sum(hit) / max(pictures, 1.0), 1.0)
 
 
 def _apart(some: NDArray[np.float32], one: NDArray[np.float32]) -> Floats:
@@ -194,7 +196,8 @@ def _apart(some: NDArray[np.float32], one: NDArray[np.float32]) -> Floats:
     if some.shape[1] == 32:
         bits = np.unpackbits(np.rint(some).astype(np.uint8) ^ np.rint(one).astype(np.uint8), axis=1)
         return np.asarray(bits.sum(axis=1), np.float64)
-    return np.asarray(np.linalg.norm(some - one, axis=1), np.float64)
+    off = some - one
+    return np.sqrt(np.einsum("nd,nd->n", off, off)).astype(np.float64)
 
 
 def _feature_arrays(seen: Observations, groups: list[NDArray[np.intp]]) -> dict[str, Any]:
@@ -247,9 +250,11 @@ def _lobe_arrays(seen: Observations, lobes: list[tuple[int, _Lobe]], diameter: f
 
 def _mean(seen: Observations, members: NDArray[np.intp]) -> NDArray[np.float32]:
     """The mean descriptor (D,); of sides also how much their contrast varies."""
-    mean = seen.descriptor[members].mean(axis=0)
+    some = seen.descriptor[members]
+    mean = np.add.reduce(some) / np.float32(len(some))
     if seen.sided[members[0]]:
-        mean[VARIED] = min(float(seen.descriptor[members, LOOKS.stop - 1].std()), 255.0)
+        off = some[:, LOOKS.stop - 1] - mean[LOOKS.stop - 1]
+        mean[VARIED] = min(math.sqrt(off @ off / len(off)), 255.0)
     return np.asarray(mean, np.float32)
 
 

@@ -21,11 +21,13 @@ from geometry.camera import Camera
 from kb.learning.again import (
     INSIDE,
     SIDES_NEAR,
+    Like,
     Look,
     Seen,
     around,
     descriptors,
     keypoints_again,
+    may_be,
     reach_of,
     sides_again,
 )
@@ -147,16 +149,16 @@ def _spots(size: tuple[int, int], rng: np.random.Generator) -> NDArray[np.float3
     return np.clip(spots, 0.0, 255.0)
 
 
-Detect = Callable[[Bytes, Bytes, int, Mask], "Seen"]
+Detect = Callable[[Bytes, Bytes, int, Mask, Like | None], "Seen"]
 """Of a picture and the same before a calm background, where a mask (h, w) holds; the number is how many pixels lie
-between points along an edge."""
+between points along an edge, and which of these are wanted the last argument tells, where it is given."""
 
 
 PICTURES = 4
-"""Pictures of each size, all different; the first is where keypoints are looked for again in the others."""
+"""Pictures of each size in which keypoints are looked for, all different: those of the first, again in the others."""
 PICTURES_OF_SIDES, ALWAYS = 3, 1.0
-"""Those of them in which sides of edges are looked for, and the share of the others in which one must come again: noise
-makes edges too."""
+"""Those in which sides of edges are looked for, and the share of the others in which one must come again: noise makes
+edges too."""
 OFTEN = 0.5
 """Share of the other pictures in which a keypoint must come again: what comes less often is not expected (D7)."""
 SPARSE, DENSE = 9, 5
@@ -226,10 +228,11 @@ def observed(view: View, number: int, detect: Detect, seed: int = 0, look: Look 
     for level, pixels in enumerate(PIXELS):
         rng = np.random.default_rng([seed, number, level])
         shown = bare(view, pixels)
-        pictures, own = variants(shown, rng, PICTURES), _own(shown)
-        first = detect(*pictures[0], SPARSE, own)
-        there = around(first.uv, reach_of(first), own.shape)
-        hit, uv, descriptor = keypoints_again(first, [detect(*both, DENSE, there) for both in pictures[1:]])
+        pictures, own = variants(shown, rng, max(PICTURES, PICTURES_OF_SIDES)), _own(shown)
+        first = detect(*pictures[0], SPARSE, own, None)
+        there, like = around(first.uv, reach_of(first), own.shape), may_be(first)
+        others = [detect(*both, DENSE, there, like) for both in pictures[1:PICTURES]]
+        hit, uv, descriptor = keypoints_again(first, others)
         levels.append(_on_surface(view, inner, pixels, first, uv, hit, descriptor, (number, level)))
         if look is not None:
             levels.append(

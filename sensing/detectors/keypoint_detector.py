@@ -14,6 +14,7 @@ textured floor drowns a plain object.
 * ``EdgeSides``: N sides as arrays
 """
 
+from collections.abc import Callable
 from dataclasses import dataclass, fields, replace
 from typing import Literal, Protocol
 
@@ -124,10 +125,13 @@ def _gradient(image: Bytes) -> tuple[NDArray[np.float32], NDArray[np.float32]]:
 
 def _between(values: NDArray[np.float32], at: Floats) -> Floats:
     """(N,) of an (H, W) array between its pixels, at places (N, 2) inside it."""
-    x, y = np.floor(at).astype(np.intp).T
-    a, b = (at - np.floor(at)).T
-    upper = values[y, x] * (1.0 - a) + values[y, x + 1] * a
-    lower = values[y + 1, x] * (1.0 - a) + values[y + 1, x + 1] * a
+    corner = np.floor(at)
+    a, b = (at - corner).T
+    x, y = corner.astype(np.intp).T
+    width, flat = values.shape[1], values.ravel()
+    first = y * width + x  # one index for two: numpy takes by it in half the time
+    upper = flat[first] * (1.0 - a) + flat[first + 1] * a
+    lower = flat[first + width] * (1.0 - a) + flat[first + width + 1] * a
     return np.asarray(upper * (1.0 - b) + lower * b)
 
 
@@ -241,6 +245,10 @@ class WordIndex(Protocol):
         """(N,) indices into ``names`` of the words nearest to the (N, 5) looks of sides of edges."""
 
 
+Like = Callable[[Floats, Floats, Floats], Mask]
+"""(N,) which of N points are wanted, of places (N, 2) pixels, angles (N,) radians and diameters (N,) pixels."""
+
+
 def described(
     image: Bytes,
     name: str = "sift",
@@ -250,12 +258,14 @@ def described(
     cell: int = CELL,
     calm: Bytes | None = None,
     where: Mask | None = None,
+    like: Like | None = None,
 ) -> Keypoints:
     """Keypoints of an (H, W) or (H, W, 3) uint8 image, the strongest first; of ``sift`` edges and regions too.
 
     At most ``most`` of each; of edges one in each cell of ``cell`` pixels, and at most ``EDGES``. Regions are looked
     for in ``calm``, as large, where it is given. Where the image has colours, they are part of the descriptors of
-    ``sift`` (``sensing.detectors.keypoints``). Only what is on a pixel on which ``where`` (H, W) holds is described.
+    ``sift`` (``sensing.detectors.keypoints``). Only what is on a pixel on which ``where`` (H, W) holds is described,
+    and of edges only those of which ``like`` holds.
 
     Raises:
         DetectorError: There is no such keypoint detector.
@@ -265,7 +275,11 @@ def described(
         return blobs
     grey = grey_of(image)
     points = edge_points(grey, cell, min(EDGES, most), where=where)
-    edges = sift_at(grey, points.uv, points.angle, np.full(len(points.uv), EDGE_SIZE), points.rise * RISE)
+    uv, angle, size, rise = points.uv, points.angle, np.full(len(points.uv), EDGE_SIZE), points.rise
+    if like is not None:
+        wanted = like(uv, angle, size)
+        uv, angle, size, rise = uv[wanted], angle[wanted], size[wanted], rise[wanted]
+    edges = sift_at(grey, uv, angle, size, rise * RISE)
     local = joined(blobs, edges)
     if not is_grey(image):
         local = replace(

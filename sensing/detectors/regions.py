@@ -9,14 +9,15 @@ not change. It is described by its shape alone, so that what lies behind counts 
 * ``regions(image)``: as ``Keypoints``, one for each direction of a region
 """
 
+import math
 from collections.abc import Sequence
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from geometry.arrays import Bytes, Floats, Mask
+from geometry.arrays import Bytes, Floats, Ints, Mask
 from sensing.detectors.keypoints import WIDTH, Keypoints, grey_of, holds, is_grey, ratios, sift_at
 
 MOST, LEAST_REGIONS, EVERY = 400, 60, 768
@@ -50,12 +51,14 @@ typical response does."""
 class _Region(NamedTuple):
     """``channel``, which of the image's it was found in; over how many thresholds it is stable.
 
-    Its pixels (P, 2), their middle, its radius.
+    Its pixels (P, 2), the corner and size of the box of them, their middle, its radius.
     """
 
     channel: int
     step: int
     points: NDArray[np.int32]
+    low: Ints
+    size: Ints
     middle: Floats
     radius: float
 
@@ -77,8 +80,9 @@ def regions(image: Bytes, most: int = MOST, where: Mask | None = None) -> Keypoi
     order = sorted(
         range(len(found)), key=lambda i: (-contrast[i] * found[i].radius, *found[i].middle.tolist(), found[i].radius)
     )[:most]
-    if where is not None:
-        order = [i for i in order if holds(where, (found[i].middle[None] + 0.5) * factor - 0.5)[0]]
+    if where is not None and order:
+        there = holds(where, (np.array([found[i].middle for i in order]) + 0.5) * factor - 0.5)
+        order = [i for i, so in zip(order, there.tolist(), strict=True) if so]
     chosen = [found[i] for i in order]
     tiles = np.array([_tile(region) for region in chosen]).reshape(-1, TILE, TILE)
     owner, angle = _directions(tiles)
@@ -122,11 +126,19 @@ def _stable(number: int, channel: Bytes) -> list[_Region]:
         whole = (corners[:, :2] > 1).all(axis=1) & (corners[:, :2] + corners[:, 2:] < limit - 1).all(
             axis=1
         )  # OpenCV keeps off the outermost pixels
-        found += [(step, np.array(points, np.int32)) for points, inside in zip(listed, whole, strict=True) if inside]
+        found += [
+            (step, np.asarray(listed[i], np.int32), corners[i, :2], corners[i, 2:])
+            for i in np.flatnonzero(whole).tolist()
+        ]
     return [
-        _Region(number, step, points, points.mean(axis=0), float(np.sqrt(len(points) / np.pi)))
-        for step, points in found
+        _Region(number, step, points, low, size, _mean(points), math.sqrt(len(points) / math.pi))
+        for step, points, low, size in found
     ]
+
+
+def _mean(values: NDArray[Any]) -> Floats:
+    """Mean over the first axis; numpy's own takes thrice as long of few values."""
+    return np.asarray(np.add.reduce(values, axis=0, dtype=np.float64) / len(values))
 
 
 def _apart(found: list[_Region]) -> list[_Region]:
@@ -148,8 +160,8 @@ def _apart(found: list[_Region]) -> list[_Region]:
 
 def _contrast(region: _Region, channel: Bytes) -> float:
     """Levels by which a region differs from what else is in the box around it."""
-    low, high = region.points.min(axis=0), region.points.max(axis=0)
-    whole = channel[max(low[1] - 2, 0) : high[1] + 3, max(low[0] - 2, 0) : high[0] + 3]
+    (left, top), (width, height) = region.low.tolist(), region.size.tolist()
+    whole = channel[max(top - 2, 0) : top + height + 2, max(left - 2, 0) : left + width + 2]
     inside = float(channel[region.points[:, 1], region.points[:, 0]].sum())
     return abs(inside / len(region.points) - (float(whole.sum()) - inside) / max(whole.size - len(region.points), 1))
 
@@ -157,14 +169,13 @@ def _contrast(region: _Region, channel: Bytes) -> float:
 def _colour(region: _Region, channels: Sequence[Bytes]) -> list[int]:
     """Its mean colour, as if all cells of a keypoint had it."""
     x, y = region.points.T
-    return [round(float(channel[y, x].mean())) for channel in channels[1:]] * (WIDTH // 2)
+    return [round(float(_mean(channel[y, x]))) for channel in channels[1:]] * (WIDTH // 2)
 
 
 def _tile(region: _Region) -> NDArray[np.float32]:
     """(TILE, TILE) the region's shape, 255 within and 0 without, its middle in the middle."""
-    low, high = region.points.min(axis=0), region.points.max(axis=0)
-    drawn = np.zeros((high - low + 1)[::-1], np.float32)
-    x, y = (region.points - low).T
+    drawn = np.zeros(region.size[::-1], np.float32)
+    x, y = (region.points - region.low).T
     drawn[y, x] = 255.0
     factor = RADIUS / region.radius
     if factor < 1.0:
@@ -172,7 +183,7 @@ def _tile(region: _Region) -> NDArray[np.float32]:
         drawn = np.asarray(cv2.GaussianBlur(np.pad(drawn, reach), (0, 0), 0.5 / factor), np.float32)
     else:
         reach = 0
-    middle = (TILE - 1) / 2.0 - factor * (region.middle - low + reach)
+    middle = (TILE - 1) / 2.0 - factor * (region.middle - region.low + reach)
     placed = np.array([[factor, 0.0, middle[0]], [0.0, factor, middle[1]]])
     return np.asarray(cv2.warpAffine(drawn, placed, (TILE, TILE), flags=cv2.INTER_LINEAR), np.float32)
 

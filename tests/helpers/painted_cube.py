@@ -95,8 +95,8 @@ def seen_of(mesh, viewpoints, detector="sift", seed=0):
     numbers = list(viewpoints)
     views = turned(mesh, [even_directions(COUNT)[i] for i in numbers], observations.PIXELS[0], MARGIN, AWAY)
 
-    def detect(image, calm, cell, where):
-        return described(image, detector, cell=cell, calm=calm, where=where)
+    def detect(image, calm, cell, where, like):
+        return described(image, detector, cell=cell, calm=calm, where=where, like=like)
 
     return observations.joined(
         [observations.observed(view, i, detect, seed) for i, view in zip(numbers, views, strict=True)]

@@ -16,8 +16,9 @@ from geometry.arrays import Bytes, Floats, Ints, Mask
 from geometry.cones import even_directions
 from geometry.files.remembered import ROOT, source_digest, sources
 from kb.clouds.learned import cloud_bytes, read_cloud
+from kb.learning.again import Like
 from kb.learning.features import cloud_of
-from kb.learning.observations import AWAY, DIRECTIONS, MARGIN, PIXELS, Observations, joined, observed
+from kb.learning.observations import AWAY, DIRECTIONS, MARGIN, PIXELS, Detect, Observations, joined, observed
 from kb.learning.photo import PaintedMesh, on_shown
 from kb.learning.symmetry_trials import DIRECTIONS as NEW
 from kb.learning.symmetry_trials import Trial, judged, trials
@@ -100,11 +101,11 @@ def turns_tried(task: Task, vertices: Floats, triangles: Ints, cloud: bytes) -> 
     return judged(groups, points, joined(seen), directions)
 
 
-def detection_by(detector: str) -> Callable[[Bytes, Bytes, int, Mask], Keypoints]:
+def detection_by(detector: str) -> Detect:
     """Return ``described`` with a detector, and its arguments as ``observed`` hands them over."""
 
-    def detect(image: Bytes, calm: Bytes, cell: int, where: Mask) -> Keypoints:
-        return described(image, detector, cell=cell, calm=calm, where=where)
+    def detect(image: Bytes, calm: Bytes, cell: int, where: Mask, like: Like | None) -> Keypoints:
+        return described(image, detector, cell=cell, calm=calm, where=where, like=like)
 
     return detect
 

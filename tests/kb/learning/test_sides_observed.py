@@ -129,8 +129,8 @@ def plate(paint=None):
     )
 
 
-def detect(image, calm, cell, where):
-    return described(image, cell=cell, calm=calm, where=where)
+def detect(image, calm, cell, where, like):
+    return described(image, cell=cell, calm=calm, where=where, like=like)
 
 
 def look(image, cell, where):
@@ -168,7 +168,7 @@ def test_where_nobody_needs_to_look_nothing_that_counts_is_missed():
     paint = np.random.default_rng(1).integers(0, 256, (SIZE // 8, SIZE // 8, 3), np.uint8)
     paint = paint.repeat(8, axis=0).repeat(8, axis=1)
 
-    def everywhere(image, calm, cell, _):
+    def everywhere(image, calm, cell, *_):
         return described(image, cell=cell, calm=calm)
 
     with sizes():
