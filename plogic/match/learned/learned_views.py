@@ -28,8 +28,8 @@ PRINTED = 130.0
 VIEWS = 400
 """Of a type, from all around."""
 SEEN = 3.0
-"""Log-likelihood ratio from which pixels convince: 20 to 1, less than of all poses, for they are asked of few that looks
-picked. ``python benchmarks/pixel_odds.py KB SCENE`` prints how many have it of what is there, and of what is not."""
+"""Log-likelihood ratio from which pixels convince: 20 to 1, less than of all poses, for they are asked of few that
+looks picked. ``python benchmarks/pixel_odds.py KB SCENE`` prints how many have it of what is there, and of what is not."""
 PROPOSED = 20
 """Poses of a type."""
 
