@@ -29,7 +29,8 @@ VIEWS = 400
 """Of a type, from all around."""
 SEEN = 3.0
 """Log-likelihood ratio from which pixels convince: 20 to 1, less than of all poses, for they are asked of few that
-looks picked. ``python benchmarks/pixel_odds.py KB SCENE`` prints how many have it of what is there, and of what is not."""
+looks picked. How many have it of what is there, and of what is not, ``python benchmarks/pixel_odds.py KB SCENE``
+prints."""
 PROPOSED = 20
 """Poses of a type."""
 
