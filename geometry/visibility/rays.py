@@ -9,7 +9,7 @@ from functools import cache
 from typing import Any
 
 import numpy as np
-from numpy.typing import ArrayLike
+from numpy.typing import ArrayLike, NDArray
 
 from geometry.arrays import Floats, Ints, Mask, check_room, frozen, frozen_ints, last_axes, lengths, summed
 from geometry.errors import GeometryError
@@ -66,6 +66,12 @@ class RayMesh:
         if alive.any():
             distance[alive], triangle[alive] = self._shoot(start[alive], ray[alive] / length[alive, None])
         return distance, triangle
+
+    def seen_from(self, eye: Floats, unit: NDArray[np.float32]) -> NDArray[np.int32]:
+        """The index (N,) of the triangle that each of unit vectors (N, 3) from one place (3,) m meets first, or -1."""
+        lead = max(0.0, float(np.linalg.norm(eye - self._centre)) - self.size)
+        near = np.float32(lead * self._scale) * unit + ((eye - self._centre) * self._scale).astype(np.float32)
+        return np.asarray(self._scene.run(near, unit), np.int32)
 
     def blocks(self, viewpoint: ArrayLike, points: ArrayLike, tolerance: float) -> Mask:
         """Mask (N,): the segment from `viewpoint` to a point (N, 3) is cut `tolerance` m or more before it ends.

@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 from geometry.arrays import Floats, Ints, Mask
 from sensing.pixels.crop import Crop
 from sensing.pixels.drawn import Drawn
+from sensing.pixels.loops import squared
 from sensing.pixels.photo import lab_of
 
 FULL = 0.35
@@ -43,34 +44,21 @@ def smoothed(drawn: Drawn) -> NDArray[np.float32]:
 
 @dataclass(frozen=True, eq=False)
 class Blocks:
-    """N pixels in K squares: ``y``, ``x`` (N,), ``first`` (K,) of each square, ``count`` (K,).
+    """K squares: ``which`` (h, w) of them each pixel is in, -1 for none; ``count`` (K,) of each's pixels.
 
-    ``photo``, ``drawn`` (N, 3) Lab there; ``noise`` (3,) variance of the photo's noise.
+    ``sums`` (K, 15) over them: of Lab in photo and drawn, their squares and their product, three of each; ``noise``
+    (3,) variance of the photo's noise.
     """
 
-    y: Ints
-    x: Ints
-    first: Ints
+    which: Ints
     count: Ints
-    photo: Floats
-    drawn: Floats
+    sums: Floats
     noise: Floats
-
-    @cached_property
-    def square(self) -> Ints:
-        """(N,) which square each pixel is in."""
-        return np.repeat(np.arange(len(self.count)), self.count)
-
-    def means(self, values: Floats) -> Floats:
-        """(K, C) of values (N, C) over the squares."""
-        return np.asarray(np.add.reduceat(values, self.first, axis=0) / self.count[:, None])
 
     @cached_property
     def moments(self) -> tuple[Floats, Floats, Floats]:
         """(K, 3) each: variance of the photo, of the drawn, and their covariance."""
-        p, q = self.photo, self.drawn
-        both = self.means(np.concatenate([p, q, p * p, q * q, p * q], axis=1))
-        mp, mq, pp, qq, pq = (both[:, 3 * i : 3 * i + 3] for i in range(5))
+        mp, mq, pp, qq, pq = (self.sums / self.count[:, None]).reshape(-1, 5, 3).swapaxes(0, 1)
         return np.maximum(pp - mp * mp, 0.0), np.maximum(qq - mq * mq, 0.0), pq - mp * mq
 
     @cached_property
@@ -129,17 +117,10 @@ class Blocks:
 
 def blocks_of(crop: Crop, shown: NDArray[np.float32], visible: Mask, side: int) -> Blocks:
     """The squares, ``side`` px wide, of what is ``visible`` (h, w) of a drawn surface (h, w, 3) Lab."""
-    y, x = np.nonzero(visible)
-    across = visible.shape[1] // side + 1
-    number = (y // side) * across + x // side
-    order = np.argsort(number, kind="stable")
-    y, x, number = y[order], x[order], number[order]
-    _, count = np.unique(number, return_counts=True)
+    which, count, sums = squared(visible, crop.lab, shown, side)
     full = count > FULL * side * side
     if not full.any():
         full = count >= max(1, min(int(count.max(initial=0)), 12))
-    keep = np.repeat(full, count)
-    y, x, count = y[keep], x[keep], count[full]
-    first = np.cumsum(count) - count
-    noise = SENSOR * crop.noise**2
-    return Blocks(y, x, first, count, crop.lab[y, x].astype(float), shown[y, x].astype(float), noise)
+    number = np.full(len(count) + 1, -1)
+    number[:-1][full] = np.arange(int(full.sum()))
+    return Blocks(number[which], count[full], sums[full], SENSOR * crop.noise**2)

@@ -11,12 +11,16 @@ from numpy.typing import NDArray
 from geometry.arrays import Floats, Mask
 from geometry.bodies.resting import hull_corners
 from geometry.frames import inverse, transform_points
+from sensing.pixels.painting import nearest_facets, paint, sights
 from sensing.simulated.body import Body, TexturedMesh
 from sensing.simulated.camera import extent
-from sensing.simulated.raycast import STEEPEST, Caster
+from sensing.simulated.raycast import Caster
 
 NEAR = 0.02
 """Diameters: what is nearer to the camera than this is not drawn."""
+MANY = 20000
+"""Triangles from which on rays find faster what a pixel shows: 8,000 pixels take them 0.7 ms, and triangles 0.04 ms a
+thousand."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -24,12 +28,12 @@ class Drawn:
     """One picture (h, w) of a mesh.
 
     ``colour`` (h, w, 3) float32, blue first, 0 where it is not; ``depth`` (h, w) metres along the optical axis, inf
-    where it is not; ``normal`` (h, w, 3) unit, camera's frame, 0 where it is not.
+    where it is not; ``normal`` (h, w, 3) float32, unit, camera's frame, 0 where it is not.
     """
 
     colour: NDArray[np.float32]
     depth: Floats
-    normal: Floats
+    normal: NDArray[np.float32]
 
     @property
     def mask(self) -> Mask:
@@ -45,6 +49,9 @@ class Paint:
         self.mesh = mesh
         self.middle, self.diameter = extent(mesh.vertices)
         self._caster = Caster([Body(None, mesh, np.eye(4))])
+        self._facets, self._pyramid = self._caster.facets, self._caster.paints[0].flat
+        corners, own = np.unique(mesh.vertices, axis=0, return_inverse=True)
+        self._corners, self._triangles = np.array(corners, float), np.reshape(own, -1)[mesh.triangles]
         self._outer = hull_corners(mesh.vertices)
 
     def box(self, pose: Floats, K: Floats) -> Floats | None:
@@ -59,7 +66,9 @@ class Paint:
         """The picture, ``size`` wide and high, of the mesh at camera_from_object (4, 4), no lens in between."""
         width, height = size
         result = Drawn(
-            np.zeros((height, width, 3), np.float32), np.full((height, width), np.inf), np.zeros((height, width, 3))
+            np.zeros((height, width, 3), np.float32),
+            np.full((height, width), np.inf),
+            np.zeros((height, width, 3), np.float32),
         )
         box = self.box(pose, K)
         if box is None:
@@ -68,15 +77,11 @@ class Paint:
         high = np.minimum(np.ceil(box[1]) + 1, [width, height]).astype(int)
         if (high <= low).any():
             return result
-        u, v = np.meshgrid(np.arange(low[0], high[0]), np.arange(low[1], high[1]))
-        rays = np.stack([(u - K[0, 2]) / K[0, 0], (v - K[1, 2]) / K[1, 1], np.ones(u.shape)], axis=-1).reshape(-1, 3)
-        found = self._caster.cast(inverse(pose)[:3, 3], rays @ pose[:3, :3])
-        normal = found.normal @ pose[:3, :3].T
-        steep = np.abs((normal * rays).sum(axis=1)) / np.linalg.norm(rays, axis=1)
-        hit = found.body >= 0
-        colours = self._caster.colours(found, np.where(hit, found.depth, 1.0) / K[0, 0], np.maximum(steep, STEEPEST))
-        window = slice(low[1], high[1]), slice(low[0], high[0])
-        result.colour[window] = colours.reshape(*u.shape, 3)
-        result.depth[window] = np.where(hit, found.depth, np.inf).reshape(u.shape)
-        result.normal[window] = normal.reshape(*u.shape, 3)
+        view = np.array(K, float, order="C"), np.array(pose[:3, :3], float, order="C"), inverse(pose)[:3, 3].copy()
+        if len(self._triangles) > MANY:
+            met = self._caster.mesh.seen_from(view[2], sights(low, high, view))
+        else:
+            met = nearest_facets(low, high, view, self._corners, self._triangles)
+        picture = result.colour, result.depth, result.normal
+        paint(met, low, int(high[0] - low[0]), view, self._facets, self._pyramid, picture)
         return result

@@ -13,7 +13,8 @@ from geometry.arrays import Floats
 from sensing.pixels.blocks import Blocks, blocks_of, smoothed
 from sensing.pixels.crop import Crop, clear
 from sensing.pixels.drawn import Drawn, Paint
-from sensing.pixels.lines import NOWHERE, SLACK, Lines, between_colours, creases_of, on_edges, outline_of
+from sensing.pixels.lines import SLACK, Lines, between_colours, creases_of, lines_at, on_edges, outline_of
+from sensing.pixels.loops import NOWHERE
 
 EDGES, PRINT, REGION = 5.0, 27.0, 3.0
 """What the mean over an outline of edges, the print of a whole surface, and the mean over an outline of colours are
@@ -138,14 +139,14 @@ def fit_of(crop: Crop, paint: Paint, pose: Floats, *, whole: bool = False) -> Fi
     length, reach = spans(crop)
     told = between_colours(crop, lines, length, reach)
     region = float(np.log((1.0 - LOST) * np.exp(told.here) + LOST).mean())
-    edges = float(edges_told(on_edges(crop, lines, reach)[0], reach).mean())
+    edges = float(edges_told(on_edges(crop, lines, reach), reach).mean())
     fine = squares_of(crop, drawn, slack, max(5, round(crop.size / 10.0)))
     worth = 12.0 * fine.explained / (WHOLE * crop.size**2)
     fit = Fit(edges, region, worth, fine.correlation, visible_share(lines), fine.shown)
     if not whole:
         return fit
     creases = creases_of(crop, drawn, slack)
-    found = edges_told(on_edges(crop, creases, reach)[0], reach).mean() if len(creases) >= FEWEST_CREASES else 0.0
+    found = edges_told(on_edges(crop, creases, reach), reach).mean() if len(creases) >= FEWEST_CREASES else 0.0
     few = min(1.0, creases.left / lines.left)
     return fit._replace(
         creases=float(found * few),
@@ -159,8 +160,8 @@ def by_chance(crop: Crop, lines: Lines, reach: int) -> float:
     at = lines.at[::2] + crop.size * _BESIDE[:, None]
     within = ((at > reach + 2) & (at < np.array(crop.shape) - reach - 3)).all(axis=2)
     many = len(_BESIDE)
-    moved = Lines(at.reshape(-1, 2), np.tile(lines.across[::2], (many, 1)), np.tile(lines.depth[::2], many), 0, 0)
-    told = edges_told(on_edges(crop, moved, reach)[0], reach).reshape(within.shape)
+    moved = lines_at(at.reshape(-1, 2), np.tile(lines.across[::2], (many, 1)), np.tile(lines.depth[::2], many), 0, 0)
+    told = edges_told(on_edges(crop, moved, reach), reach).reshape(within.shape)
     count = within.sum(axis=1)
     enough = count >= FEWEST_LINES / 2
     if enough.sum() < FEWEST_BESIDE:

@@ -17,7 +17,8 @@ from sensing.pixels.blocks import ALIKE, Blocks, smoothed
 from sensing.pixels.crop import Crop, crop_of
 from sensing.pixels.drawn import Drawn, Paint
 from sensing.pixels.energy import FEWEST_LINES, Fit, choice, fit_of, spans, squares_of, trusted
-from sensing.pixels.lines import NOWHERE, SLACK, Lines, between_colours, creases_of, on_edges, outline_of
+from sensing.pixels.lines import SLACK, Lines, between_colours, creases_of, on_edges, outline_of
+from sensing.pixels.loops import NOWHERE, of_lines, of_print, print_off
 from sensing.pixels.photo import Photo
 
 DEPTHS, TILTS = (0.06, -0.06), np.radians((18.0, -18.0))
@@ -63,12 +64,18 @@ SAME = 0.04
 KEPT, CLOSE = 3, 3.0
 """Starts that go on of those that are compared; of these the best, and what fits less well by no more than this, are
 refined to the end."""
+HOPELESS = 2.0, 3.0
+"""Fit of the best start, small, first and at the end, below which nothing is refined further. Of 265 poses that were
+found in 17 photos and 15 simulated ones none of the 83 objects is lost that have odds above 2; of 1432 others half end
+here."""
 
 
 def refined(
     photo: Photo, paint: Paint, pose: Floats, before: Sequence[tuple[RayMesh, Floats]] = ()
 ) -> tuple[Floats, Fit] | None:
-    """The best-fitting pose (4, 4) from a start and from starts beside it, and its whole fit; None if not in sight.
+    """The best-fitting pose (4, 4) from a start and from starts beside it, and its whole fit.
+
+    None if it is not in sight, or nothing fits near.
 
     ``before``: the surfaces of what stands there for sure, and its poses.
     """
@@ -77,7 +84,11 @@ def refined(
         return None
     coarse = [settled(small, paint, start, [FIRST]) for start in starts_about(pose, paint)]
     found, trust = ordered(small, paint, coarse)
+    if found[0][1] < HOPELESS[0]:
+        return None
     found, trust = ordered(small, paint, [settled(small, paint, some, far(trust)) for some, _ in found[:KEPT]])
+    if found[0][1] < HOPELESS[1]:
+        return None
     best = different([some for some, score in found if score >= found[0][1] - CLOSE], paint)
     poses = [pose, *(settled(large, paint, some, exact(trust)) for some in best)]
     fits = [fit_of(large, paint, some) for some in poses]
@@ -181,7 +192,7 @@ def _parts(
     if stage.edges:
         for some in (lines, creases_of(crop, drawn, slack)):
             if len(some):
-                off, _ = on_edges(crop, some, reach)
+                off = on_edges(crop, some, reach)
                 found = off < NOWHERE
                 weight = stage.edges * found / (1.0 + (np.where(found, off, 0.0) / 1.5) ** 2) ** 2 / 3.0
                 yield _of_lines(crop, some, middle, np.where(found, off, 0.0), weight)
@@ -193,22 +204,7 @@ def _parts(
 
 def _of_lines(crop: Crop, lines: Lines, middle: Floats, off: Floats, weight: Floats) -> tuple[Floats, Floats]:
     """Lines that ought to be ``off`` (N,) pixels farther along, of a weight (N,) each."""
-    slopes = _moving(crop, lines.at[:, 0], lines.at[:, 1], lines.depth, middle)
-    along = (lines.across[:, :, None] * slopes).sum(axis=1)
-    weighted = along * weight[:, None]
-    return weighted.T @ along, weighted.T @ off
-
-
-def _moving(crop: Crop, x: Floats, y: Floats, depth: Floats, middle: Floats) -> Floats:
-    """(N, 2, 6): by how many pixels the surface at pixels moves with each part of a step."""
-    fx, fy, cx, cy = crop.K[0, 0], crop.K[1, 1], crop.K[0, 2], crop.K[1, 2]
-    px, py = (x - cx) / fx * depth, (y - cy) / fy * depth
-    d = np.column_stack([px, py, depth]) - middle
-    zero = np.zeros(len(x))
-    u = np.stack([fx / depth, zero, -fx * px / depth**2], axis=1)
-    v = np.stack([zero, fy / depth, -fy * py / depth**2], axis=1)
-    both = np.stack([u, v], axis=1)
-    return np.concatenate([np.cross(d[:, None, :], both), both], axis=2)
+    return of_lines(lines.at, lines.across, lines.depth, crop.K, middle, off, weight)
 
 
 ODD = 1.5
@@ -218,20 +214,10 @@ ODD = 1.5
 def _of_print(crop: Crop, drawn: Drawn, blocks: Blocks, middle: Floats, weight: float) -> tuple[Floats, Floats]:
     """The print's: the drawn moves over the photo, with a gain and an offset of each square."""
     shown = smoothed(drawn)
-    slope = np.stack(
-        [cv2.Scharr(shown, cv2.CV_32F, *way)[blocks.y, blocks.x] / 32.0 for way in ((1, 0), (0, 1))], axis=2
-    )
-    moving = _moving(crop, blocks.x.astype(float), blocks.y.astype(float), drawn.depth[blocks.y, blocks.x], middle)
-    gain = blocks.gains[blocks.square]
-    jacobian = (slope * gain[..., None]) @ moving
-    off = gain * blocks.drawn - blocks.photo
-    flat = np.concatenate([jacobian.reshape(len(off), -1), off], axis=1)
-    flat -= blocks.means(flat)[blocks.square]
-    jacobian, off = flat[:, :-3].reshape(jacobian.shape), flat[:, -3:]
+    slopes = np.stack([cv2.Scharr(shown, cv2.CV_32F, *way) / 32.0 for way in ((1, 0), (0, 1))])
+    scale = crop.K, np.ascontiguousarray(blocks.gains)
+    off = print_off(blocks.which, crop.lab, shown, slopes, drawn.depth, scale, middle)
     n = blocks.count[:, None]
     variance = np.maximum((n * blocks.left).sum(axis=0) / n.sum(), 2.0)
-    trust = 1.0 / (variance * (1.0 + off**2 / (variance * ODD**2)) ** 2)
-    weighted = jacobian * trust[..., None]
-    share = weight / ALIKE
-    flat_jacobian = jacobian.reshape(-1, 6)
-    return share * weighted.reshape(-1, 6).T @ flat_jacobian, share * weighted.reshape(-1, 6).T @ off.ravel()
+    told, slope = of_print(blocks.which, off, blocks.count, variance, ODD**2)
+    return weight / ALIKE * told, weight / ALIKE * slope

@@ -40,6 +40,17 @@ class TexturePyramid:
             )
 
     @property
+    def flat(self) -> tuple[NDArray[np.uint8], NDArray[np.int64], NDArray[np.int64], NDArray[np.int64]]:
+        """All copies one after the other (N, 3); and where each starts, how wide and how high it is."""
+        high, wide = (np.array([level.shape[k] for level in self.levels]) for k in (0, 1))
+        return (
+            np.concatenate([level.reshape(-1, 3) for level in self.levels]),
+            np.cumsum(high * wide) - high * wide,
+            wide,
+            high,
+        )
+
+    @property
     def size(self) -> tuple[int, int]:
         """Width and height, texels."""
         return self.levels[0].shape[1], self.levels[0].shape[0]
@@ -105,6 +116,21 @@ class Caster:
         self._texels = texels_per_metre(self._corners, self._uv, np.array([p.size for p in self._paint])[self._of])
         self._duals = _duals(self._corners)
         self.mesh = RayMesh(self._corners.reshape(-1, 3), np.arange(self._corners.shape[0] * 3).reshape(-1, 3))
+
+    @property
+    def facets(self) -> tuple[NDArray[np.float64], ...]:
+        """Of T triangles: corners (T, 3, 3), normals (T, 3), duals (T, 2, 3), rounded normals (T, 3, 3), and paint.
+
+        The paint by texture coordinates (T, 3, 2) and texels a metre (T,).
+        """
+        across = np.cross(self._corners[:, 1] - self._corners[:, 0], self._corners[:, 2] - self._corners[:, 0])
+        every = self._corners, across, self._duals, self._normals, self._uv, self._texels
+        return tuple(np.ascontiguousarray(some, float) for some in every)
+
+    @property
+    def paints(self) -> list[TexturePyramid]:
+        """The texture of each body."""
+        return self._paint
 
     def cast(self, eye: NDArray[np.float64], rays: NDArray[np.float64]) -> Cast:
         """What rays (N, 3) of any length from ``eye`` (3,) meet.

@@ -39,6 +39,8 @@ NO_POSES = np.zeros((0, 4, 4))
 PROMISING = 4.0
 """Fit, in ``sensing.pixels.energy``, that few poses of absent types have (``python benchmarks/pixel_odds.py``): one
 that has it is refined whatever its keypoints say."""
+FAINT = 1.0
+"""Fit of poses that views suggest below which none is moved (``sensing.pixels.refine.HOPELESS`` says of what)."""
 WORTHY = 25.0
 """Worth of a pose that is refined whatever its pixels say."""
 
@@ -64,7 +66,7 @@ def by_pixels(
     by_keypoints = [
         row for row in screened(index, best, worth, data, before, SCREENED) if row[0] >= PROMISING or row[2] >= WORTHY
     ]
-    by_views = screened(index, seen, np.zeros(len(seen)), data, before, len(seen))
+    by_views = [row for row in screened(index, seen, np.zeros(len(seen)), data, before, len(seen)) if row[0] >= FAINT]
     starts = [(*row[:2], True) for row in by_keypoints[:FITTED]] + [(*row[:2], False) for row in by_views[:FITTED_SEEN]]
     found = []
     tried: list[tuple[float, Floats]] = []

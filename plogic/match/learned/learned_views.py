@@ -29,8 +29,8 @@ five have up to 73, the others from 125 on; learned from more pictures, as once,
 VIEWS = 400
 """Of a type, from all around."""
 SEEN = 3.0
-"""Log-likelihood ratio from which the pixels of such a type convince: 20 to 1, less than of all poses, for they are
-asked of few that looks picked. From which on nine of ten are found, ``python benchmarks/pixel_odds.py KB SCENE``
+"""Log-likelihood ratio from which pixels convince: 20 to 1, less than of all poses, for they are asked of few that
+looks picked. How many have it of what is there, and of what is not, ``python benchmarks/pixel_odds.py KB SCENE``
 prints."""
 PROPOSED = 20
 """Poses of a type."""
