@@ -28,11 +28,10 @@ from geometry.camera import Camera
 from geometry.frames import transform_points
 from plogic.base.jobs import each, processors
 from plogic.match.gamma.data import data_of
-from plogic.match.judged.type_models import SURE
 from plogic.match.learned.learned_models import LearnedIndex
 from plogic.match.learned.learned_pixels import FITTED, FITTED_SEEN, PROMISING, SCREENED, screened
 from plogic.match.learned.learned_poses import proposed
-from plogic.match.learned.learned_views import maps_for, seen_anywhere
+from plogic.match.learned.learned_views import SEEN, maps_for, seen_anywhere
 from plogic.run.bop.dataset import open_dataset
 from plogic.run.bop.models import ids_of, model_names
 from plogic.run.perceive import Perceiver
@@ -257,10 +256,10 @@ def told(rows: list[Row]) -> None:
         mine = [k for k, row in enumerate(rows) if row.photo.split()[0] == kind]
         there, wrong = (np.array([odds[k] for k in mine if rows[k].there == value] or [np.nan]) for value in (1.0, 0.0))
         loss = (np.logaddexp(0.0, -there).mean() + np.logaddexp(0.0, wrong).mean()) / 2.0
-        above, below = (wrong > SURE).sum(), (there <= SURE).sum()
+        above, below = (wrong > SEEN).sum(), (there <= SEEN).sum()
         print(  # noqa: T201
-            f"{kind}: log loss {loss:.4f}; right from {there.min():.1f}, {below} of {len(there)} not above {SURE:g};",
-            f"absent up to {wrong.max():.1f}, {above} of {len(wrong)} above {SURE:g}",
+            f"{kind}: log loss {loss:.4f}; right from {there.min():.1f}, {below} of {len(there)} not above {SEEN:g};",
+            f"absent up to {wrong.max():.1f}, {above} of {len(wrong)} above {SEEN:g}",
         )
         for said, some in (("learned", [odds[k] for k in mine]), ("in use", [rows[k].fit.odds for k in mine])):
             n, found, exact, least = accepted([rows[k] for k in mine], some)

@@ -7,7 +7,7 @@ over as many as a cone of its size holds on average, where it holds fewer: a lob
 it was not seen from beside it.
 """
 
-import math
+from collections.abc import Sequence
 from dataclasses import replace
 from typing import Any, NamedTuple
 
@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial import cKDTree
 
-from geometry.arrays import Floats
+from geometry.arrays import Floats, Ints, Mask
 from geometry.cones import even_directions, spacing
 from kb.clouds.learned import LearnedCloud
 from kb.clouds.words import COLOURS
@@ -52,11 +52,33 @@ STEP, END = 1.25, 1.5
 where there is no next."""
 
 
-class _Lobe(NamedTuple):
-    members: NDArray[np.intp]
+class _Groups:
+    """Observations in groups of one or more: sums over each."""
+
+    def __init__(self, groups: Sequence[NDArray[np.intp]]) -> None:
+        self.which = np.concatenate([*groups, np.zeros(0, np.intp)])
+        self.count = np.array([len(group) for group in groups], np.int64)
+        self.start = np.cumsum(self.count) - self.count
+        self.owner = np.repeat(np.arange(len(groups)), self.count)
+
+    def over(self, how: np.ufunc, values: NDArray[Any]) -> NDArray[Any]:
+        """(G, ...) of values (N, ...), one of each of ``which``."""
+        return np.asarray(how.reduceat(values, self.start, axis=0)) if len(self.start) else values[:0]
+
+    def mean(self, values: NDArray[Any]) -> NDArray[Any]:
+        """(G, ...) of values (N, ...)."""
+        total = self.over(np.add, values)
+        return np.asarray(total / self.count.astype(total.dtype).reshape(-1, *[1] * (values.ndim - 1)))
+
+
+class _Lobes(NamedTuple):
+    """L lobes: what was seen of each, their axes (L, 3), half angles, hit rates, and whether they are of sides."""
+
+    groups: _Groups
     axis: Floats
-    half_angle: float
-    hit: float
+    half_angle: Floats
+    hit: Floats
+    sided: Mask
 
 
 def cloud_of(seen: Observations, diameter: float, f_ref: float, count: int, most: int = MOST) -> LearnedCloud:
@@ -67,16 +89,19 @@ def cloud_of(seen: Observations, diameter: float, f_ref: float, count: int, most
     directions = even_directions(count)
     points = _chosen(seen, _places(seen, np.flatnonzero(~seen.sided)), most)
     sides = _chosen(seen, side_places(seen, np.flatnonzero(seen.sided), diameter), MOST_SIDES)
-    several = [(group, _lobes(seen, group, directions)) for group in points]
-    several += [
-        (group, [lobe for lobe in _lobes(seen, group, directions) if lobe.hit >= SIDES_SEEN]) for group in sides
-    ]
-    several = [(group, lobes) for group, lobes in several if lobes]
+    groups = [*points, *sides]
+    alike = [_alike(seen, group) for group in groups]
+    feature = np.repeat(np.arange(len(groups)), [len(some) for some in alike])
+    members = [one for some in alike for one in some]
+    lobes = _lobes(seen, members, directions)
+    good = np.flatnonzero(~lobes.sided | (lobes.hit >= SIDES_SEEN))
+    which, feature = np.unique(feature[good], return_inverse=True)
+    lobes = _lobes(seen, [members[i] for i in good], directions)
     cloud = LearnedCloud(
-        **_feature_arrays(seen, [group for group, _ in several]),
-        **_lobe_arrays(seen, [(f, lobe) for f, (_, lobes) in enumerate(several) for lobe in lobes], diameter, f_ref),
+        **_feature_arrays(seen, [groups[i] for i in which]), **_lobe_arrays(seen, lobes, feature, diameter, f_ref)
     )
-    shown = [np.concatenate([lobe.members for lobe in lobes]) for _, lobes in several]
+    ends = np.cumsum(np.bincount(feature, lobes.groups.count, len(which)).astype(int))
+    shown = np.split(lobes.groups.which, ends)[: len(which)]
     return replace(
         cloud, compound=compounds_of(cloud, seen, shown, Pictures(diameter, _ranges(diameter, f_ref), count))
     )
@@ -156,9 +181,9 @@ def side_places(seen: Observations, which: NDArray[np.intp], diameter: float) ->
     return groups
 
 
-def _lobes(seen: Observations, group: NDArray[np.intp], directions: Floats) -> list[_Lobe]:
-    """One feature's observations by what they look like; they were looked for from ``directions`` (V, 3)."""
-    lobes = []
+def _alike(seen: Observations, group: NDArray[np.intp]) -> list[NDArray[np.intp]]:
+    """One feature's observations by what they look like: those of each lobe."""
+    found = []
     looks = seen.descriptor[:, LOOKS][:, :COLOURS] if seen.sided[group[0]] else seen.descriptor
     left = group[np.argsort(-seen.hit[group], kind="stable")]
     limit = TINTED if seen.sided[group[0]] else ALIKE[seen.descriptor.shape[1]]
@@ -167,28 +192,32 @@ def _lobes(seen: Observations, group: NDArray[np.intp], directions: Floats) -> l
         alike = _apart(looks[left], looks[left[0]]) < limit
         alike &= direction @ direction[0] > TOGETHER
         alike[0] = True
-        members, direction = left[alike], direction[alike]
+        found.append(left[alike])
         left = left[~alike]
-        axis = np.add.reduce(direction)
-        axis = axis / math.sqrt(axis @ axis)
-        widest = math.acos(min(1.0, np.minimum.reduce(direction @ axis)))  # means take most of the time of few numbers
-        half_angle = widest + BEYOND * spacing(len(directions))
-        lobes.append(_Lobe(members, axis, half_angle, _hit(seen, members, axis, half_angle, directions)))
-    return lobes
+    return found
 
 
-def _hit(seen: Observations, members: NDArray[np.intp], axis: Floats, half_angle: float, directions: Floats) -> float:
-    """The hit rate of a lobe. A picture that shows several points of one stretch of an edge shows that once."""
-    level, hit = seen.level[members].tolist(), seen.hit[members].tolist()
-    reach = math.cos(half_angle)
-    held = int(np.count_nonzero(directions @ axis >= reach))
-    pictures = max(held, len(directions) * (1.0 - reach) / 2.0) * (max(level) - min(level) + 1)
-    if seen.sided[members[0]]:
-        best: dict[tuple[int, int], float] = {}
-        for key, one in zip(zip(level, seen.view[members].tolist(), strict=True), hit, strict=True):
-            best[key] = max(one, best.get(key, 0.0))
-        hit = list(best.values())
-    return min(sum(hit) / max(pictures, 1.0), 1.0)
+def _lobes(seen: Observations, members: Sequence[NDArray[np.intp]], directions: Floats) -> _Lobes:
+    """Lobes of observations, of at least one each, that were looked for from ``directions`` (V, 3).
+
+    A picture that shows several points of one stretch of an edge shows that once.
+    """
+    some = _Groups(members)
+    direction, level, view = seen.direction[some.which], seen.level[some.which], seen.view[some.which]
+    axis = some.mean(direction)
+    axis /= np.linalg.norm(axis, axis=1, keepdims=True)
+    widest = some.over(np.minimum, (direction * axis[some.owner]).sum(axis=1))
+    half_angle = np.arccos(np.minimum(widest, 1.0)) + BEYOND * spacing(len(directions))
+    reach = np.cos(half_angle)
+    held = (axis @ directions.T >= reach[:, None]).sum(axis=1)
+    levels = some.over(np.maximum, level) - some.over(np.minimum, level) + 1
+    pictures = np.maximum(held, len(directions) * (1.0 - reach) / 2.0) * levels
+    hit, sided = seen.hit[some.which], seen.sided[some.which]
+    order = np.lexsort((-hit, view, level, some.owner))
+    key = np.column_stack([some.owner, level, view])[order]
+    again = np.r_[False, (key[1:] == key[:-1]).all(axis=1)][: len(order)] & sided[order]
+    hits = np.bincount(some.owner[order][~again], hit[order][~again], len(members))
+    return _Lobes(some, axis, half_angle, np.minimum(hits / np.maximum(pictures, 1.0), 1.0), sided[some.start])
 
 
 def _apart(some: NDArray[np.float32], one: NDArray[np.float32]) -> Floats:
@@ -201,63 +230,50 @@ def _apart(some: NDArray[np.float32], one: NDArray[np.float32]) -> Floats:
 
 
 def _feature_arrays(seen: Observations, groups: list[NDArray[np.intp]]) -> dict[str, Any]:
-    at = np.array([np.average(seen.at[g], axis=0, weights=seen.hit[g]) for g in groups]).reshape(-1, 3)
-    spread = [_spread(seen, g, middle) for g, middle in zip(groups, at, strict=True)]
-    least = [0.3 * float(seen.pixel[g].min()) for g in groups]
-    normal = np.array([seen.normal[g].mean(axis=0) for g in groups]).reshape(-1, 3)
+    some = _Groups(groups)
+    place, weight = seen.at[some.which], seen.hit[some.which][:, None]
+    at = some.over(np.add, place * weight) / some.over(np.add, weight)
+    off = place - at[some.owner]
+    across = np.sqrt(some.mean((off * seen.up[some.which]).sum(axis=1) ** 2))  # of a stretch of an edge across it alone
+    spread = np.where(seen.sided[some.which][some.start], across, np.sqrt(some.mean((off**2).sum(axis=1)) / 2.0))
+    normal, outward = some.mean(seen.normal[some.which]), some.mean(seen.direction[some.which])
     length = np.linalg.norm(normal, axis=1, keepdims=True)
-    outward = np.array([seen.direction[g].mean(axis=0) for g in groups]).reshape(-1, 3)
-    outward /= np.linalg.norm(outward, axis=1, keepdims=True)
+    outward = outward / np.linalg.norm(outward, axis=1, keepdims=True)
     return {
         "at": at,
-        "sigma": np.maximum(spread, least),
+        "sigma": np.maximum(spread, 0.3 * some.over(np.minimum, seen.pixel[some.which])),
         "normal": np.where(length > 1e-6, normal / np.maximum(length, 1e-6), outward),
         "word": np.zeros(len(groups), np.int64),
     }
 
 
-def _spread(seen: Observations, group: NDArray[np.intp], middle: Floats) -> float:
-    """Standard deviation of a place along one axis; of a stretch of an edge across it."""
-    off = seen.at[group] - middle
-    if not seen.sided[group[0]]:
-        return float(np.sqrt((off**2).sum(axis=1).mean() / 2.0))
-    return float(np.sqrt(((off * seen.up[group]).sum(axis=1) ** 2).mean()))
-
-
-def _lobe_arrays(seen: Observations, lobes: list[tuple[int, _Lobe]], diameter: float, f_ref: float) -> dict[str, Any]:
-    ranges = _ranges(diameter, f_ref)
-    axis = np.array([lobe.axis for _, lobe in lobes]).reshape(-1, 3)
-    half = np.array([lobe.half_angle for _, lobe in lobes])
-    up = np.array([seen.up[lobe.members].mean(axis=0) for _, lobe in lobes]).reshape(-1, 3)
-    up -= (up * axis).sum(axis=1, keepdims=True) * axis
+def _lobe_arrays(seen: Observations, lobes: _Lobes, feature: Ints, diameter: float, f_ref: float) -> dict[str, Any]:
+    ranges, some = _ranges(diameter, f_ref), lobes.groups
+    up = some.mean(seen.up[some.which])
+    up -= (up * lobes.axis).sum(axis=1, keepdims=True) * lobes.axis
     up /= np.maximum(np.linalg.norm(up, axis=1, keepdims=True), 1e-12)
-    nearest = np.array([seen.level[lobe.members].min() for _, lobe in lobes], int)
-    farthest = np.array([seen.level[lobe.members].max() for _, lobe in lobes], int)
-    descriptor = np.rint([_mean(seen, lobe.members) for _, lobe in lobes])
+    nearest, farthest = (some.over(how, seen.level[some.which]) for how in (np.minimum, np.maximum))
+    size = np.where(seen.sided[some.which], 1.0, seen.size[some.which])
     return {
-        "feature": np.array([f for f, _ in lobes], np.int64),
-        "lobe_word": np.zeros(len(lobes), np.int64),
-        "descriptor": descriptor.astype(np.uint8).reshape(len(lobes), seen.descriptor.shape[1]),
-        "axis": axis,
-        "half_angle": half,
+        "feature": feature.astype(np.int64),
+        "lobe_word": np.zeros(len(feature), np.int64),
+        "descriptor": np.rint(_means(seen, some)).astype(np.uint8),
+        "axis": lobes.axis,
+        "half_angle": lobes.half_angle,
         "r_min": ranges[nearest] / np.where(nearest == 0, END, STEP),
         "r_max": ranges[farthest] * np.where(farthest == len(PIXELS) - 1, END, STEP),
-        "hit": np.array([lobe.hit for _, lobe in lobes]),
+        "hit": lobes.hit,
         "up": up,
-        "size": np.array([_size(seen.size[lobe.members]) for _, lobe in lobes]),
+        "size": np.where(lobes.sided, 0.0, np.exp(some.mean(np.log(size)))),
     }
 
 
-def _mean(seen: Observations, members: NDArray[np.intp]) -> NDArray[np.float32]:
-    """The mean descriptor (D,); of sides also how much their contrast varies."""
-    some = seen.descriptor[members]
-    mean = np.add.reduce(some) / np.float32(len(some))
-    if seen.sided[members[0]]:
-        off = some[:, LOOKS.stop - 1] - mean[LOOKS.stop - 1]
-        mean[VARIED] = min(math.sqrt(off @ off / len(off)), 255.0)
+def _means(seen: Observations, some: _Groups) -> NDArray[np.float32]:
+    """(G, D) mean descriptors; of sides also how much their contrast varies."""
+    mean = some.mean(seen.descriptor[some.which])
+    sided = np.flatnonzero(seen.sided[some.which][some.start])
+    if len(sided):
+        contrast = LOOKS.stop - 1
+        off = seen.descriptor[some.which, contrast] - mean[some.owner, contrast]
+        mean[sided, VARIED] = np.minimum(np.sqrt(some.mean(off**2)), 255.0)[sided]
     return np.asarray(mean, np.float32)
-
-
-def _size(sizes: Floats) -> float:
-    """The geometric mean (N,); 0 of sides of edges."""
-    return float(np.exp(np.log(sizes).mean())) if sizes[0] > 0.0 else 0.0

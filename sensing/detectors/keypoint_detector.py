@@ -86,53 +86,36 @@ def edge_points(image: Bytes, cell: int, most: int, least: float = LEAST, where:
     so that colours of one brightness have an edge between them too. Of all these points, only those on whose pixel
     ``where`` (H, W) holds are looked for.
     """
+    from sensing.detectors.edge_loops import ridges
+
     if min(image.shape[:2]) <= 2 * BORDER:
         return EdgePoints(np.zeros((0, 2)), np.zeros(0), np.zeros(0))
     gx, gy = _gradient(image)
-    rise = np.hypot(gx, gy)
-    inner = np.zeros(rise.shape, bool)
+    inner = np.zeros(image.shape[:2], bool)
     inner[BORDER:-BORDER, BORDER:-BORDER] = True
     if (
         where is not None
     ):  # with all of every cell that it touches, for the strongest there may be where it does not hold
         inner &= cv2.dilate(where.astype(np.uint8), np.ones((2 * cell - 1, 2 * cell - 1), np.uint8)) > 0
-    y, x = np.nonzero((rise > least) & inner)
-    here = rise[y, x].astype(float)
-    across = np.column_stack([gx[y, x], gy[y, x]]) / here[:, None]
-    ahead, behind = (_between(rise, np.column_stack([x, y]) + sign * across) for sign in (1.0, -1.0))
-    ridge = (here >= ahead) & (here > behind)
-    x, y, here, across, ahead, behind = x[ridge], y[ridge], here[ridge], across[ridge], ahead[ridge], behind[ridge]
+    found = ridges(gx, gy, inner, least, cell)
+    if where is not None:
+        found = found[where[found[:, 1].astype(int), found[:, 0].astype(int)]]
+    found = found[np.lexsort((found[:, 0], found[:, 1], -found[:, 2]))][:most]
+    at, here, across, (ahead, behind) = found[:, :2], found[:, 2], found[:, 3:5], found[:, 5:].T
     bend = np.minimum(ahead + behind - 2.0 * here, -1e-6)
-    uv = np.column_stack([x, y]) + np.clip(0.5 * (behind - ahead) / bend, -0.5, 0.5)[:, None] * across
-    order = np.argsort(-here, kind="stable")
-    cells = (y[order] // cell) * rise.shape[1] + x[order] // cell
-    best = order[np.sort(np.unique(cells, return_index=True)[1])]
-    best = (best if where is None else best[where[y[best], x[best]]])[:most]
-    return EdgePoints(uv[best], np.arctan2(across[best, 1], across[best, 0]), here[best])
+    uv = at + np.clip(0.5 * (behind - ahead) / bend, -0.5, 0.5)[:, None] * across
+    return EdgePoints(uv, np.arctan2(across[:, 1], across[:, 0]), here)
 
 
 def _gradient(image: Bytes) -> tuple[NDArray[np.float32], NDArray[np.float32]]:
-    """(H, W) grey levels a pixel along x and y."""
+    """(H, W, C) grey levels a pixel along x and y."""
     smooth = np.asarray(cv2.GaussianBlur(image.astype(np.float32), (0, 0), SMOOTH), np.float32)
+    shape = (*image.shape[:2], -1)
     gx, gy = (
-        np.asarray(cv2.Sobel(smooth, cv2.CV_32F, *order, ksize=3) / 8.0, np.float32) for order in ((1, 0), (0, 1))
+        np.asarray(cv2.Sobel(smooth, cv2.CV_32F, *order, ksize=3, scale=0.125), np.float32).reshape(shape)
+        for order in ((1, 0), (0, 1))
     )
-    if image.ndim == 2:
-        return gx, gy
-    steepest = (gx * gx + gy * gy).argmax(axis=2)[..., None]
-    return np.take_along_axis(gx, steepest, 2)[..., 0], np.take_along_axis(gy, steepest, 2)[..., 0]
-
-
-def _between(values: NDArray[np.float32], at: Floats) -> Floats:
-    """(N,) of an (H, W) array between its pixels, at places (N, 2) inside it."""
-    corner = np.floor(at)
-    a, b = (at - corner).T
-    x, y = corner.astype(np.intp).T
-    width, flat = values.shape[1], values.ravel()
-    first = y * width + x  # one index for two: numpy takes by it in half the time
-    upper = flat[first] * (1.0 - a) + flat[first + 1] * a
-    lower = flat[first + width] * (1.0 - a) + flat[first + width + 1] * a
-    return np.asarray(upper * (1.0 - b) + lower * b)
+    return gx, gy
 
 
 DEPTHS = (2.5, 6.0)

@@ -2,22 +2,18 @@
 
 Bodies are drawn (``stage``) at ``supersample`` times the size and averaged down: a pixel is the mean light over its
 square. Floor, background and shadows are drawn behind them. Then the lens blurs and the sensor adds noise.
-
-* ``Turn``: one large picture of a body alone with its depth, as learning a type looks at it, ``Turn(image, mask, depth,
-  camera, pixels=990.0)``
 """
 
-from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Sequence
+from dataclasses import dataclass
 
 import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from geometry.camera import Camera, centred_camera
-from geometry.frames import inverse, look_at
-from sensing.simulated.body import Body, TexturedMesh
-from sensing.simulated.stage import Stage, stage
+from geometry.camera import Camera
+from sensing.simulated.body import Body
+from sensing.simulated.stage import stage
 from sensing.simulated.surroundings import Light, Surroundings, draw_surroundings, floor_depth
 
 
@@ -103,89 +99,7 @@ def _sensed(picture: NDArray[np.float32], sensor: Sensor) -> NDArray[np.uint8]:
     return np.clip(np.rint(picture + sensor.noise * noise), 0, 255).astype(np.uint8)
 
 
-FINER = 3
-"""Pictures are drawn so many times larger than the largest that is needed."""
-EVEN = Light(ambient=1.0, lamp=0.0, sky=0.0, back=0.0)
-UNIT = 1.0
-"""The body is drawn this large, metres, whatever its size: pybullet's clipping planes suit no dice and no buildings."""
-STEEP = 0.95
-
-
-@dataclass(frozen=True, eq=False)
-class Turn:
-    """One picture of the body before nothing.
-
-    ``image`` (H, W, 3) uint8, blue first; ``mask`` (H, W) where the body is; ``depth`` (H, W) metres along the optical
-    axis; ``camera``, whose ``world_from_camera`` is body_from_camera; ``pixels``: the body's diameter in the picture.
-    """
-
-    image: NDArray[np.uint8]
-    mask: NDArray[np.bool_]
-    depth: NDArray[np.float32]
-    camera: Camera
-    pixels: float
-
-
-def turned(
-    mesh: TexturedMesh, viewpoints: Sequence[NDArray[np.float64]], pixels: float, margin: float, away: float
-) -> Iterator[Turn]:
-    """One picture a direction (3,) from the middle of the mesh's box; distances and depth are the mesh's own metres.
-
-    ``pixels``: the body's diameter, of which pictures are ``FINER`` times as many; ``margin``: what is left around the
-    body, and ``away``: the viewpoint's distance, both in diameters.
-    """
-    middle, diameter = extent(mesh.vertices)
-    scale = UNIT / diameter
-    small = replace(mesh, vertices=(mesh.vertices - middle) * scale)
-    with stage([Body(None, small, np.eye(4))], EVEN) as drawn:
-        for direction in viewpoints:
-            upward = (0.0, 0.0, 1.0) if abs(direction[2]) < STEEP else (0.0, 1.0, 0.0)
-            camera_from_body = look_at(np.asarray(direction, float) * away * UNIT, np.zeros(3), upward)
-            yield _taken(drawn, camera_from_body, (pixels, margin, away), (middle, scale))
-
-
 def extent(vertices: NDArray[np.float64]) -> tuple[NDArray[np.float64], float]:
     """Middle (3,) of the box of vertices (V, 3), and the diameter of the ball around it that holds them all."""
     middle = (vertices.min(axis=0) + vertices.max(axis=0)) / 2.0
     return middle, 2.0 * float(np.linalg.norm(vertices - middle, axis=1).max())
-
-
-def _taken(
-    drawn: Stage,
-    camera_from_body: NDArray[np.float64],
-    size: tuple[float, float, float],
-    place: tuple[NDArray[np.float64], float],
-) -> Turn:
-    (pixels, margin, away), (middle, scale) = size, place
-    side = round(pixels * (1.0 + 2.0 * margin))
-    colour, segmentation, depth = drawn.shoot(_square(side, pixels * away, inverse(camera_from_body)), FINER)
-    object_from_camera = inverse(camera_from_body)
-    object_from_camera[:3, 3] = object_from_camera[:3, 3] / scale + middle
-    camera = _square(side * FINER, pixels * away * FINER, object_from_camera)
-    mask = segmentation >= 0
-    window = _around(mask, round(margin * pixels * FINER))
-    colour, mask, depth = (np.ascontiguousarray(values[window]) for values in (colour, mask, depth / np.float32(scale)))
-    return Turn(colour, mask, depth, _cut(camera, window), pixels * FINER)
-
-
-def _around(mask: NDArray[np.bool_], margin: int) -> tuple[slice, slice]:
-    """Rows and columns of the body's box and a margin; all where there is no body."""
-    spans = [np.flatnonzero(mask.any(axis=axis)) for axis in (1, 0)]
-    if not len(spans[0]):
-        return slice(0, mask.shape[0]), slice(0, mask.shape[1])
-    ends = [
-        (max(0, int(some[0]) - margin), min(size, int(some[-1]) + margin + 1))
-        for some, size in zip(spans, mask.shape, strict=True)
-    ]
-    return slice(*ends[0]), slice(*ends[1])
-
-
-def _cut(camera: Camera, window: tuple[slice, slice]) -> Camera:
-    """The camera of a part of its picture, which no lens distorts."""
-    rows, columns = window
-    K = camera.K - np.array([[0, 0, columns.start], [0, 0, rows.start], [0, 0, 0]])
-    return Camera(columns.stop - columns.start, rows.stop - rows.start, K, np.zeros(0), camera.world_from_camera)
-
-
-def _square(side: int, f: float, world_from_camera: NDArray[np.float64]) -> Camera:
-    return replace(centred_camera((side, side), f), world_from_camera=world_from_camera)

@@ -21,8 +21,9 @@ from kb.learning import features, observations
 from kb.learning.observations import AWAY, MARGIN
 from sensing.detectors.keypoint_detector import described
 from sensing.simulated.body import Body, TexturedMesh
-from sensing.simulated.camera import Sensor, render, turned
+from sensing.simulated.camera import Sensor, render
 from sensing.simulated.surroundings import Light, Surroundings
+from sensing.simulated.turntable import turned
 
 SIDE = 0.1
 """Metres."""

@@ -37,7 +37,7 @@ from sensing.simulated.body import read_mesh
 Found = TypeVar("Found")
 
 FITTED = 15.0
-"""What it takes to make a cloud of what was seen, in views: 3 s where one takes 0.2 s."""
+"""What it takes to make a cloud of what was seen, in views: 2.5 s where one takes 0.17 s."""
 WORK = DIRECTIONS + FITTED + NEW
 """What a type takes, in views (``Work``)."""
 

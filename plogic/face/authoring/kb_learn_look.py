@@ -26,8 +26,8 @@ from kb.surfaces.surface import Surface
 from sensing.detectors.keypoint_detector import EdgeSides, described, edge_sides
 from sensing.detectors.keypoints import Keypoints
 from sensing.simulated.body import TexturedMesh, read_mesh
-from sensing.simulated.camera import extent, turned
-from sensing.simulated.physics import physics_version
+from sensing.simulated.camera import extent
+from sensing.simulated.turntable import turned
 
 CHUNK = 15
 """Directions that a process renders at a time."""
@@ -117,18 +117,15 @@ def sides_where(image: Bytes, cell: int, where: Mask) -> EdgeSides:
 
 DECIDES = "plogic/face/authoring/kb_learn_look.py"
 """What makes a cloud, with all that it imports."""
-LIBRARIES = ("numpy", "scipy", "embreex", "trimesh")
-"""They read, render and compute. OpenCV, which detects, and pybullet, which draws where it is installed, come under
-several names."""
+LIBRARIES = ("numpy", "numba", "scipy", "trimesh")
+"""They read, render and compute. OpenCV, which detects, comes under several names."""
 
 
 def key_of(mesh: TexturedMesh, how: tuple[Any, ...]) -> str:
     """SHA-256 over a painted mesh, ``how`` it is learned, the source that learns, and the libraries' versions."""
     import cv2
 
-    total = hashlib.sha256(
-        repr((how, cv2.__version__, physics_version(), [version(name) for name in LIBRARIES])).encode()
-    )
+    total = hashlib.sha256(repr((how, cv2.__version__, [version(name) for name in LIBRARIES])).encode())
     total.update(source_digest(ROOT, _deciding()))
     for array in (mesh.vertices, mesh.triangles, mesh.uv, mesh.texture):
         total.update(b"-" if array is None else repr(array.shape).encode() + array.tobytes())

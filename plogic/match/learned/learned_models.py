@@ -204,8 +204,8 @@ class LearnedIndex:
         return pictured(self, posed, others, data)
 
     def significance(self, posed: Hypothesis) -> float:
-        """All poses of a learned type are counted in its evidence; pixels of what has little print tell of one."""
-        return SEEN if posed.pixels is not None and self.plain else SURE
+        """All poses of a learned type are counted in its evidence; pixels tell of one of few that looks picked."""
+        return SEEN if posed.pixels is not None else SURE
 
 
 def learned_index(object_type: ObjectType, dv: Mapping[str, float], lexicon: Lexicon | None = None) -> LearnedIndex:

@@ -74,7 +74,7 @@ def test_how_exact_it_is_is_told_across_the_edge_alone(seed, along, share):
 
 @settings(max_examples=30, deadline=None, derandomize=True)
 @given(
-    SEEDS, st.integers(2, 6), st.floats(0.0, REACH), st.lists(st.integers(0, 4), min_size=1, max_size=3, unique=True)
+    SEEDS, st.integers(2, 6), st.floats(0.0, REACH), st.lists(st.integers(0, 3), min_size=1, max_size=3, unique=True)
 )
 def test_a_picture_that_shows_many_points_of_a_stretch_counts_once(seed, times, along, levels):
     once = an_edge(np.random.default_rng(seed), ABOVE, along=along, levels=levels)
@@ -104,7 +104,7 @@ def rate(seen):
     SEEDS,
     st.integers(1, 4),
     st.floats(0.0, 6.3),
-    st.sampled_from([(0,), (1, 2), (2, 3, 4), (0, 2)]),
+    st.sampled_from([(0,), (1, 2), (1, 2, 3), (0, 2)]),
     st.floats(0.4, 1.0),
 )
 def test_a_hit_rate_is_the_share_of_the_pictures_of_its_lobe_that_showed_it(seed, times, turn, levels, share):
@@ -118,8 +118,8 @@ def test_a_hit_rate_is_the_share_of_the_pictures_of_its_lobe_that_showed_it(seed
 
 
 def test_what_is_seldom_seen_is_no_feature():
-    """Three pictures of one of five sizes, of all that a lobe about them holds."""
-    seen = an_edge(np.random.default_rng(0), ABOVE, levels=range(5))
+    """Three pictures of all sizes, of all that a lobe about them holds."""
+    seen = an_edge(np.random.default_rng(0), ABOVE, levels=range(4))
     few = some_of(seen, [0, len(ABOVE) // 2, len(seen) - 1])
     assert len(few) == LEAST_SEEN
     assert len(cloud(few).at) == 0

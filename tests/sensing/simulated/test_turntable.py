@@ -7,8 +7,10 @@ from painted_cube import SIDE, cube
 from geometry.cones import even_directions
 from geometry.frames import inverse, transform_points
 from geometry.visibility.rays import RayMesh
+from sensing.pixels.drawn import Paint
 from sensing.simulated.body import TexturedMesh
-from sensing.simulated.camera import FINER, extent, turned
+from sensing.simulated.camera import extent
+from sensing.simulated.turntable import FINER, turned
 
 PIXELS, MARGIN, AWAY = 90.0, 0.125, 5.0
 
@@ -42,6 +44,19 @@ def test_depth_is_where_rays_meet_the_mesh(mesh):
         assert hit.mean() > 0.97  # a pixel at the outline may miss
         off = np.abs(distance[hit] - np.linalg.norm(line[hit], axis=1)) / diameter
         assert np.quantile(off, 0.97) < 1e-3
+
+
+@pytest.mark.parametrize("mesh", [cube(), tetrahedron()])
+def test_what_is_drawn_is_what_rays_meet(mesh):
+    paint, turns = Paint(mesh), pictures(mesh, even_directions(4))
+    assert len(turns) == 4
+    for turn in turns:
+        size = turn.camera.width, turn.camera.height
+        drawn = paint.drawn(inverse(turn.camera.world_from_camera), turn.camera.K, size)
+        assert (drawn.mask == turn.mask).mean() > 0.999
+        both = drawn.mask & turn.mask
+        np.testing.assert_allclose(turn.depth[both], drawn.depth[both], rtol=1e-5)
+        assert np.abs(turn.image.astype(float) - drawn.colour)[both].mean() < 1.0
 
 
 def between(depth, uv):
@@ -79,10 +94,8 @@ def test_the_body_and_its_margin_fill_the_picture_and_no_more(margin):
         assert (turn.camera.width, turn.camera.height) == (width, height)
         v, u = np.nonzero(turn.mask)
         left = np.array([u.min(), v.min(), width - 1 - u.max(), height - 1 - v.max()])
-        assert (left <= round(margin * turn.pixels)).all()
-        assert (
-            left > margin * turn.pixels - 1 - 0.01 * turn.pixels
-        ).all()  # a corner near the viewpoint looks a little larger
+        assert (left >= round(margin * turn.pixels)).all()
+        assert (left <= round(margin * turn.pixels) + 2).all()  # a corner may have no pixel's centre in it
         assert max(np.ptp(u), np.ptp(v)) > 0.5 * turn.pixels
         distance = np.linalg.norm(turn.camera.world_from_camera[:3, 3])
         assert distance == pytest.approx(AWAY * SIDE * 3**0.5)

@@ -13,7 +13,7 @@ from kb.files.folder import shipped
 from kb.files.read import read_kb
 from plogic.face.commands.simulate import shapes_of
 from sensing.simulated.body import Body
-from sensing.simulated.camera import render, turned, visible_fractions
+from sensing.simulated.camera import render, visible_fractions
 from sensing.simulated.physics import has_physics, physics_version, settle
 from sensing.simulated.scene import box, random_scene
 
@@ -42,19 +42,6 @@ def test_rays_draw_what_tiny_renderer_draws(scene, without):
     assert same.sum() > 5000
     assert np.abs(by_rays.depth - by_pybullet.depth)[same].max() < 1e-3
     assert np.abs(by_rays.image.astype(int) - by_pybullet.image)[same].mean() < 2.0
-
-
-@physics
-def test_a_turned_body_is_the_same_by_rays(scene, without):
-    way = [np.array([0.6, 0.0, 0.8])]
-    (by_pybullet,) = turned(scene.bodies[0].mesh, way, 120.0, 0.1, 3.0)
-    without()
-    (by_rays,) = turned(scene.bodies[0].mesh, way, 120.0, 0.1, 3.0)
-    assert by_rays.image.shape == by_pybullet.image.shape
-    assert (by_rays.mask == by_pybullet.mask).mean() > 0.999
-    both = by_rays.mask & by_pybullet.mask
-    assert np.abs(by_rays.depth - by_pybullet.depth)[both].max() < 1e-2
-    assert np.abs(by_rays.image.astype(int) - by_pybullet.image)[both].mean() < 4.0
 
 
 def test_a_body_across_the_camera_is_drawn_whole(without):
