@@ -1,18 +1,17 @@
 """What the fit of pixels is worth: the best poses of each type in real and simulated photos, of types there and absent.
 
-``python benchmarks/pixel_odds.py KB SCENE [KB SCENE]``: the types of KB are those of SCENE's dataset, by number or by
-name; the simulated photos are of tables with things of these types (``--simulated``, so many). Prints a line for each
-pose that was refined; then the weights of logistic regressions on what a fit tells: of "it is there" for what shows
-print (``sensing.pixels.energy.ODDS``), where neither right nor absent are types that are there without a pose, and what
-looks like another type that is there, where that one is, for which of the two it is, their own odds tell; of "its
-outline is found" for what is plain (``PLAIN``), where a wrong pose of a type that is there is one of none. Then, by the
-weights of the other photos alone: what each photo's poses have; and of the best pose of each type in each photo how
-many are accepted where nine of ten of all photos' are found, and of these how many are found, and right. And how many
-poses of absent types pass ``PROMISING`` before they are refined.
+``python benchmarks/pixel_odds.py KB DATASET [KB DATASET]``: the types of KB are the models of DATASET, in BOP's layout,
+by number or by name; the simulated photos are of tables with things of these types (``--simulated``, so many). Prints a
+line for each pose that was refined; then the weights of logistic regressions on what a fit tells: of "it is there" for
+what shows print (``sensing.pixels.energy.ODDS``), where neither right nor absent are types that are there without a
+pose, and what looks like another type that is there, where that one is, for which of the two it is, their own odds
+tell; of "its outline is found" for what is plain (``PLAIN``), where a wrong pose of a type that is there is one of
+none. Then, by the weights of the other photos alone: what each photo's poses have; and of the best pose of each type in
+each photo how many are accepted where nine of ten of all photos' are found, and of these how many are found, and right.
+And how many poses of absent types pass ``PROMISING`` before they are refined.
 """
 
 import argparse
-import json
 from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from pathlib import Path
@@ -20,24 +19,24 @@ from typing import NamedTuple
 
 import numpy as np
 
+from benchmarks.photos.answers import photos_of
 from benchmarks.recognition.scenes import EMPTY_EVERY, HARD
 from benchmarks.recognition.score import HALF
 from benchmarks.tabletop.scene import recognition_scene
 from geometry.arrays import Bytes, Floats, Mask
 from geometry.camera import Camera
-from geometry.files.camera_files import read_camera
-from geometry.frames import from_rotation_translation, transform_points
+from geometry.frames import transform_points
 from plogic.base.jobs import each, processors
 from plogic.match.gamma.data import data_of
 from plogic.match.learned.learned_models import LearnedIndex
-from plogic.match.learned.learned_pixels import FITTED, FITTED_SEEN, NO_POSES, PROMISING, SCREENED, screened
+from plogic.match.learned.learned_pixels import FITTED, FITTED_SEEN, PROMISING, SCREENED, screened
 from plogic.match.learned.learned_poses import proposed
-from plogic.match.learned.learned_views import SEEN, seen_anywhere
+from plogic.match.learned.learned_views import SEEN, maps_for, seen_anywhere
+from plogic.run.bop.dataset import open_dataset
 from plogic.run.bop.models import ids_of, model_names
 from plogic.run.perceive import Perceiver
 from plogic.run.sources import kb_of
 from sensing.detectors.detector import detect
-from sensing.files.images import read_image
 from sensing.pixels.drawn import Paint
 from sensing.pixels.energy import ODDS, PLAIN, Fit, printed
 from sensing.pixels.photo import Photo
@@ -74,7 +73,7 @@ class Row(NamedTuple):
     line: str
 
 
-class Shown(NamedTuple):
+class Seen(NamedTuple):
     """A photo: the true poses (4, 4) of types that are there, and the types that are there without one."""
 
     name: str
@@ -84,23 +83,17 @@ class Shown(NamedTuple):
     unposed: frozenset[str]
 
 
-def real(scene: Path, names: dict[int, str]) -> Iterator[Shown]:
-    """The photos of a BOP scene."""
-    truth = json.loads((scene / "scene_gt.json").read_text())
-    beside = scene / "present.json"
-    unposed = json.loads(beside.read_text()) if beside.exists() else {}
-    for key, entries in truth.items():
+def real(dataset: Path, names: dict[int, str]) -> Iterator[Seen]:
+    """The photos of a BOP dataset."""
+    for shown in photos_of(open_dataset(dataset)):
         posed: dict[str, list[Floats]] = {}
-        for entry in entries:
-            posed.setdefault(names[entry["obj_id"]], []).append(_pose(entry))
-        file = next((scene / "rgb").glob(f"{int(key):06d}.*"))
-        image = read_image(file)
-        camera = read_camera(scene / "scene_camera.json", frame=int(key), size=(image.shape[1], image.shape[0]))
-        there = frozenset(names[number] for number in unposed.get(key, []))
-        yield Shown(f"{scene.parent.parent.name} {key}", image, camera, posed, there)
+        for truth in shown.truths:
+            posed.setdefault(names[truth.obj_id], []).append(truth.camera_from_object)
+        there = frozenset(names[number] for number in shown.neither)
+        yield Seen(f"{dataset.name} {shown.name}", shown.image, shown.camera, posed, there)
 
 
-def simulated(paints: dict[str, Paint], name: str, first: int, count: int) -> Iterator[Shown]:
+def simulated(paints: dict[str, Paint], name: str, first: int, count: int) -> Iterator[Seen]:
     """Photos of tables, seeds from ``first`` on, every sixth without any of the types.
 
     What is half hidden counts as there without a pose.
@@ -117,10 +110,10 @@ def simulated(paints: dict[str, Paint], name: str, first: int, count: int) -> It
             elif body.label is not None:
                 hidden.add(body.label)
         camera = replace(scene.camera, world_from_camera=None)
-        yield Shown(f"{name}-simulated {i}", scene.photograph().image, camera, posed, frozenset(hidden))
+        yield Seen(f"{name}-simulated {i}", scene.photograph().image, camera, posed, frozenset(hidden))
 
 
-def rows_of(perceiver: Perceiver, shown: Shown) -> Iterator[Row]:
+def rows_of(perceiver: Perceiver, shown: Seen) -> Iterator[Row]:
     """The refined poses of all types in a photo."""
     photo, kb = Photo(shown.image, shown.camera), perceiver.kb
     gamma = detect(shown.image, shown.camera, kb.sought, kb.words).in_order()
@@ -128,12 +121,12 @@ def rows_of(perceiver: Perceiver, shown: Shown) -> Iterator[Row]:
     paints = paints_of(perceiver)
     true = {name: [_mask(paints[name], pose, shown.camera) for pose in poses] for name, poses in shown.posed.items()}
     indices = [some for some in perceiver.models.values() if isinstance(some, LearnedIndex)]
-    seen = seen_anywhere(indices, data, 1)
+    maps = maps_for(indices, data, 1)
     for name, paint in paints.items():
         index = perceiver.models[name]
         assert isinstance(index, LearnedIndex)  # noqa: S101 - it has paint
         by_keypoints = screened(index, *proposed(index, data, kb, thin=False), data, (), SCREENED)[:FITTED]
-        poses = seen.get(name, NO_POSES)
+        poses = seen_anywhere(index, maps, data)
         by_views = screened(index, poses, np.zeros(len(poses)), data, (), len(poses))[:FITTED_SEEN]
         for score, pose, _ in by_keypoints + by_views:
             found = refined(photo, paint, pose)
@@ -165,10 +158,6 @@ def _mask(paint: Paint, pose: Floats, camera: Camera) -> Mask:
 
 def _over(one: Mask, other: Mask) -> float:
     return float((one & other).sum() / max(1, (one | other).sum()))
-
-
-def _pose(entry: dict[str, list[float]]) -> Floats:
-    return from_rotation_translation(np.reshape(entry["cam_R_m2c"], (3, 3)), np.array(entry["cam_t_m2c"]) / 1000.0)
 
 
 def _off(index: LearnedIndex, paint: Paint, pose: Floats, true: Floats) -> float:
@@ -238,13 +227,13 @@ def accepted(rows: list[Row], odds: list[float]) -> tuple[int, int, int, float]:
 def main(pairs: Sequence[tuple[str, Path]], count: int) -> None:
     """Print it all."""
     rows: list[Row] = []
-    for k, (kb_folder, scene) in enumerate(pairs):
+    for k, (kb_folder, dataset) in enumerate(pairs):
         kb = kb_of(kb_folder)
         perceiver = Perceiver(kb)
         paints = paints_of(perceiver)
-        numbers = model_names(scene.parent.parent / "models") | ids_of([kind.name for kind in kb.types], {})
-        made = simulated(paints, scene.parent.parent.name, DEVELOPED + APART * k, count)
-        photos = [*real(scene, {numbers[name]: name for name in perceiver.models}), *made]
+        numbers = model_names(dataset / "models") | ids_of([kind.name for kind in kb.types], {})
+        made = simulated(paints, dataset.name, DEVELOPED + APART * k, count)
+        photos = [*real(dataset, {numbers[name]: name for name in perceiver.models}), *made]
         for some in each(lambda shown: list(rows_of(perceiver, shown)), photos, processors()):  # noqa: B023 - used here
             print(*(row.line for row in some), sep="\n", flush=True)  # noqa: T201 - a script
             rows += some
@@ -279,11 +268,12 @@ def told(rows: list[Row]) -> None:
 
 if __name__ == "__main__":
     parser = argparse.ArgumentParser(description=(__doc__ or "").partition("\n")[0])
-    parser.add_argument("folders", nargs="+", metavar="KB SCENE")
+    parser.add_argument("folders", nargs="+", metavar="KB DATASET")
     parser.add_argument("--simulated", type=int, default=36, metavar="N")
     asked = parser.parse_args()
     if len(asked.folders) % 2:
-        parser.error("a folder of a KB goes with one of a scene")
+        parser.error("a folder of a KB goes with one of a dataset")
     main(
-        [(kb, Path(scene)) for kb, scene in zip(asked.folders[::2], asked.folders[1::2], strict=True)], asked.simulated
+        [(kb, Path(dataset)) for kb, dataset in zip(asked.folders[::2], asked.folders[1::2], strict=True)],
+        asked.simulated,
     )

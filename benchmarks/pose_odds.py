@@ -1,14 +1,13 @@
-"""How surely poses are right: ``sensing.pixels.sureness`` calibrated on simulated photos, checked on a BOP scene's.
+"""How surely poses are right: ``sensing.pixels.sureness`` calibrated on simulated photos, checked on real ones.
 
-``python benchmarks/pose_odds.py KB SCENE``: the types of KB are those of SCENE's dataset, by number or by name. Objects
+``python benchmarks/pose_odds.py KB DATASET``: the types of KB are the models of DATASET, by number or by name. Objects
 of the types are photographed by the simulated camera, one at a time; poses beside the true ones are moved to where they
 fit best, and are right or wrong (``RADIUS``). Prints for several ``INDEPENDENT`` the log loss and the expected
-calibration error of P(right) on them, then the same of poses beside the posed objects of SCENE, with a 95 % interval
-(photos and objects drawn again). Last, ``pose_probability`` of what is accepted in SCENE's photos, of posed types.
+calibration error of P(right) on them, then the same of poses beside the posed objects of DATASET, with a 95 % interval
+(photos and objects drawn again). Last, ``pose_probability`` of what is accepted in DATASET's photos, of posed types.
 """
 
 import argparse
-import json
 from collections.abc import Iterator
 from dataclasses import replace
 from pathlib import Path
@@ -16,18 +15,18 @@ from typing import NamedTuple
 
 import numpy as np
 
+from benchmarks.photos.answers import photos_of
 from geometry.arrays import Floats
 from geometry.camera import Camera
-from geometry.files.camera_files import read_camera
 from geometry.frames import from_rotation_translation, transform_points, turn_about
 from kb.clouds.cloud import ObjectType
 from plogic.cycle.delta import Options
 from plogic.match.learned.learned_models import LearnedIndex
+from plogic.run.bop.dataset import open_dataset
 from plogic.run.bop.models import ids_of, model_names
 from plogic.run.perceive import Perceiver
 from plogic.run.sources import kb_of
 from sensing.detectors.detector import detect
-from sensing.files.images import read_image
 from sensing.pixels.drawn import Paint
 from sensing.pixels.photo import Photo
 from sensing.pixels.refine import moved, refined
@@ -105,10 +104,10 @@ def simulated(types: dict[str, LearnedIndex], camera: Camera, count: int, seed: 
                 yield one
 
 
-def real(types: dict[str, LearnedIndex], scene: Path, numbers: dict[str, int], count: int) -> Iterator[Sample]:
-    """``count`` poses of each posed object of a scene."""
+def real(types: dict[str, LearnedIndex], dataset: Path, numbers: dict[str, int], count: int) -> Iterator[Sample]:
+    """``count`` poses of each posed object of a dataset."""
     rng = np.random.default_rng(0)
-    for photo, posed in photos(scene, numbers):
+    for photo, posed in photos(dataset, numbers):
         for name, true in posed:
             index = types[name]
             assert index.paint is not None  # noqa: S101 - those that have it
@@ -119,25 +118,19 @@ def real(types: dict[str, LearnedIndex], scene: Path, numbers: dict[str, int], c
                     yield one
 
 
-def photos(scene: Path, numbers: dict[str, int]) -> Iterator[tuple[Photo, list[tuple[str, Floats]]]]:
-    """Each photo of a scene with the posed objects of the types by name: name and ``camera_from_object``."""
+def photos(dataset: Path, numbers: dict[str, int]) -> Iterator[tuple[Photo, list[tuple[str, Floats]]]]:
+    """Each photo of a dataset with the posed objects of the types by name: name and ``camera_from_object``."""
     names = {number: name for name, number in numbers.items()}
-    for key, objects in json.loads((scene / "scene_gt.json").read_text()).items():
-        file = next((scene / "rgb").glob(f"{int(key):06d}.*"))
-        rows = [row for row in objects if row["obj_id"] in names]
-        poses = [
-            from_rotation_translation(np.reshape(row["cam_R_m2c"], (3, 3)), np.array(row["cam_t_m2c"]) / 1000.0)
-            for row in rows
-        ]
-        camera = read_camera(scene / "scene_camera.json", frame=int(key))
-        yield Photo(read_image(file), camera), [(names[row["obj_id"]], p) for row, p in zip(rows, poses, strict=True)]
+    for shown in photos_of(open_dataset(dataset)):
+        known = [truth for truth in shown.truths if truth.obj_id in names]
+        yield Photo(shown.image, shown.camera), [(names[truth.obj_id], truth.camera_from_object) for truth in known]
 
 
 def accepted(
-    perceiver: Perceiver, types: dict[str, LearnedIndex], scene: Path, numbers: dict[str, int]
+    perceiver: Perceiver, types: dict[str, LearnedIndex], dataset: Path, numbers: dict[str, int]
 ) -> Iterator[tuple[float, float]]:
     """``pose_probability`` of what is accepted of posed types, and 1 where it is right, else 0."""
-    for photo, posed in photos(scene, numbers):
+    for photo, posed in photos(dataset, numbers):
         gamma = detect(photo.image, photo.camera, perceiver.kb.sought, perceiver.kb.words)
         for row in perceiver(gamma, Options(), photo.image)["hypotheses"]:
             name, index = row["type"], types.get(row["type"])
@@ -186,31 +179,30 @@ def figures(p: Floats, right: Floats, names: list[str]) -> str:
     return f"log loss {loss(p, right):.3f}, ECE {error(p, right):.3f} ({low:.3f} to {high:.3f}), {means}"
 
 
-def main(kb_folder: str, scene: Path, count: int) -> None:
+def main(kb_folder: str, dataset: Path, count: int) -> None:
     """Print it all."""
     perceiver = Perceiver(kb_of(kb_folder))
     types = {n: m for n, m in perceiver.models.items() if isinstance(m, LearnedIndex) and m.paint is not None}
-    known = model_names(scene.parent.parent / "models") | ids_of([kind.name for kind in perceiver.kb.types], {})
+    known = model_names(dataset / "models") | ids_of([kind.name for kind in perceiver.kb.types], {})
     numbers = {name: known[name] for name in types}
-    key = next(iter(json.loads((scene / "scene_gt.json").read_text())))
-    camera = read_camera(scene / "scene_camera.json", frame=int(key))
+    camera = next(photos_of(open_dataset(dataset))).camera
     for name, some in (
         ("simulated, to calibrate", simulated(types, camera, count, seed=1)),
         ("simulated, to check", simulated(types, camera, count, seed=2)),
-        ("real", real(types, scene, numbers, count)),
+        ("real", real(types, dataset, numbers, count)),
     ):
         samples = list(some)
         print(f"{name}: {len(samples)} poses of {len({s.of for s in samples})} objects; in use {INDEPENDENT:g}")  # noqa: T201 - a script
         for independent in TRIED:
             print("  " + line(samples, independent), flush=True)  # noqa: T201
-    rows = np.array(list(accepted(perceiver, types, scene, numbers))).reshape(-1, 2)
+    rows = np.array(list(accepted(perceiver, types, dataset, numbers))).reshape(-1, 2)
     print(f"accepted: {len(rows)}: {figures(rows[:, 0], rows[:, 1], [str(i) for i in range(len(rows))])}")  # noqa: T201
 
 
 if __name__ == "__main__":
     parser = argparse.ArgumentParser(description=(__doc__ or "").partition("\n")[0])
     parser.add_argument("kb", metavar="KB")
-    parser.add_argument("scene", type=Path, metavar="SCENE")
-    parser.add_argument("--count", type=int, default=6, help="photos a type, and poses an object of SCENE")
+    parser.add_argument("dataset", type=Path, metavar="DATASET")
+    parser.add_argument("--count", type=int, default=6, help="photos a type, and poses an object of DATASET")
     asked = parser.parse_args()
-    main(asked.kb, asked.scene, asked.count)
+    main(asked.kb, asked.dataset, asked.count)

@@ -39,11 +39,13 @@ FIRST = 1, 10, 50
 OTHERWISE: tuple[dict[str, object], ...] = (
     {},
     {"LAID": 100},
+    {"TURNS": 10},
     {"TURNS": 18},
     {"SIZES": (40.0, 300.0, 1.2)},
     {"SPREAD": 3},
     {"SPREAD_FINE": 2},
-    {"SEEDS": 2000},
+    {"SEEDS": 200},
+    {"LAID": 60, "SEEDS": 800},
 )
 
 

@@ -32,7 +32,7 @@ WHOLE = 0.4
 
 ODDS = -11.3, 5.7, 4.6, 36.9, 3.4
 """What is told of a fit that is not there at all, by a unit of edges, of region, of print up to ``FIRM``, and of print
-beyond it, of what shows print (``python benchmarks/pixel_odds.py KB SCENE``)."""
+beyond it, of what shows print (``python benchmarks/pixel_odds.py KB DATASET``)."""
 PLAIN = -1.1, 2.6, 3.8, 10.8, 2.2, 7.5, 3.3
 """The same of what is plain: of a fit that is not there at all, by a unit of edges, of region, of print up to ``FIRM``,
 of creases, of ``quiet`` and of ``length``."""

@@ -37,7 +37,7 @@ RADIUS = 0.1
 """Diameters: mean distance of the surface's places (ADD) within which a pose is right."""
 INDEPENDENT = 1.0
 """Share of what is in Gauss-Newton's normal matrix that is independent: that of the least calibration error on
-simulated photos (``python benchmarks/pose_odds.py KB SCENE``)."""
+simulated photos (``python benchmarks/pose_odds.py KB DATASET``)."""
 UNLIKELY = 9.0
 """Fit, below the best, of starts that are not followed to the end: in a softmax less than 1 in 8000."""
 DRAWS, PLACES = 256, 60

@@ -31,11 +31,12 @@ from plogic.match.learned.keypoints import Lexicon, lexicon_of
 from plogic.match.learned.learned_match import ROBUST, matched, pose_of, precision
 from plogic.match.learned.learned_pixels import NO_POSES, hiding, looked_beside, pictured
 from plogic.match.learned.learned_poses import NOBODY, REFINED, VERIFIED, Voted, generate, resting, voted
-from plogic.match.learned.learned_views import PRINTED, SEEN, VIEWS, keypoints_shown, seen_anywhere
+from plogic.match.learned.learned_views import PRINTED, SEEN, VIEWS, keypoints_shown, maps_for, seen_anywhere
 from plogic.measures.distinctiveness import Kinds, kinds_of, rank_of_kinds
 
 if TYPE_CHECKING:
     from sensing.pixels.drawn import Paint
+    from sensing.views.maps import PhotoMaps
     from sensing.views.search import Body
 
 
@@ -233,9 +234,9 @@ _SAID = tuple(field.name for field in fields(Hypothesis) if field.name != "known
 
 
 def searched(
-    search: Callable[[LearnedIndex], Found], indices: Sequence[LearnedIndex], data: Data, processes: int
-) -> Generator[Found]:
-    """The hypotheses that a search finds of each index in ``data``, in their order.
+    search: Callable[[LearnedIndex], tuple[Found, Floats]], indices: Sequence[LearnedIndex], data: Data, processes: int
+) -> Generator[tuple[Found, Floats]]:
+    """The hypotheses that a search finds of each index in ``data``, in their order, and the poses that looks suggest.
 
     What a copy finds comes back without the type, which is large, and here already. What all types ask of Γ is found
     before copies are made.
@@ -243,15 +244,17 @@ def searched(
     if processes > 1:
         ask(indices, data)
 
-    def said(index: LearnedIndex) -> list[tuple[float, list[Any]]]:
-        return [(ratio, [getattr(posed, name) for name in _SAID]) for ratio, posed in search(index)]
+    def said(index: LearnedIndex) -> tuple[list[tuple[float, list[Any]]], Floats]:
+        found, seen = search(index)
+        return [(ratio, [getattr(posed, name) for name in _SAID]) for ratio, posed in found], seen
 
     with closing(each(said, indices, processes)) as answers:
-        for index, answer in zip(indices, answers, strict=True):
-            yield [
+        for index, (answer, seen) in zip(indices, answers, strict=True):
+            found = [
                 (ratio, Hypothesis(known_type=index.object_type, **dict(zip(_SAID, arrays, strict=True))))
                 for ratio, arrays in answer
             ]
+            yield found, seen
 
 
 AGAIN = 40
@@ -279,9 +282,13 @@ class LearnedModels(TypeModels):
         """The hypotheses of each type that stand on a plane."""
         taken, before = bodies(self.models, given.accepted), hiding(given.accepted)
         asked = [index for name, index in sorted(self.models.items()) if not given.count(name)]
-        return searched(
-            lambda index: resting(index, plane, left, request.kb, taken, before), asked, left, request.processes
-        )
+
+        def search(index: LearnedIndex) -> tuple[Found, Floats]:
+            return resting(index, plane, left, request.kb, taken, before), NO_POSES
+
+        with closing(searched(search, asked, left, request.processes)) as searches:
+            for found, _ in searches:
+                yield found
 
     def make_ready(self) -> None:
         """Compute all that the types compute when they are first asked for it."""
@@ -295,12 +302,14 @@ class LearnedModels(TypeModels):
 class LearnedSearch(Search):
     """The search in what is left of Γ.
 
-    ``_searched``: the types searched for before, each with how many of it were accepted then.
+    ``_searched``: the types searched for before, each with how many of it were accepted then; ``_seen``: the poses that
+    the whole photo suggested of them.
     """
 
     models: Mapping[str, LearnedIndex]
     request: Request
     _searched: dict[str, int] = field(default_factory=dict)
+    _seen: dict[str, Floats] = field(default_factory=dict)
 
     @cached_property
     def _voted(self) -> dict[str, Voted]:
@@ -316,9 +325,9 @@ class LearnedSearch(Search):
         return found
 
     @cached_property
-    def _seen(self) -> dict[str, Floats]:
-        """The poses that the whole photo suggests of what has little print."""
-        return seen_anywhere(list(self.models.values()), self.request.data, self.request.processes)
+    def _maps(self) -> "PhotoMaps | None":
+        """What the types with little print ask of the photo."""
+        return maps_for(list(self.models.values()), self.request.data, self.request.processes)
 
     def votes(self) -> dict[str, float]:
         """The votes of the pairs of a type for its best pose."""
@@ -332,12 +341,13 @@ class LearnedSearch(Search):
         """The hypotheses of each type."""
         taken, before = bodies(self.models, given.accepted), hiding(given.accepted)
         whole = len(left.ids) == len(self.request.data.ids)
-        seen = self._seen
+        maps = self._maps
 
-        def search(index: LearnedIndex) -> Found:
+        def search(index: LearnedIndex) -> tuple[Found, Floats]:
             name = index.object_type.name
             most = AGAIN if name in self._searched else REFINED
-            return generate(
+            seen = self._seen[name] if name in self._seen else seen_anywhere(index, maps, self.request.data)
+            found = generate(
                 index,
                 left,
                 self.request.kb,
@@ -345,12 +355,13 @@ class LearnedSearch(Search):
                 before=before,
                 width=(most, VERIFIED),
                 of=self._voted.get(name) if whole else None,
-                seen=seen.get(name, NO_POSES),
+                seen=seen,
             )
+            return found, seen
 
         indices = [self.models[name] for name in names]
         with closing(searched(search, indices, left, self.request.processes)) as searches:
-            for name, found in zip(names, searches, strict=True):
+            for name, (found, self._seen[name]) in zip(names, searches, strict=True):
                 given.seen(found)
                 yield found
                 self._searched[name] = given.count(name)

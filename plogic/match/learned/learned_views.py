@@ -2,7 +2,7 @@
 
 What has print is found by its keypoints, in a fraction of the time.
 
-* ``seen_anywhere``: the poses of several types that one photo suggests
+* ``maps_for``: what all types ask of a photo; ``seen_anywhere``: the poses of a type that it suggests
 """
 
 from __future__ import annotations
@@ -14,6 +14,7 @@ import numpy as np
 
 from geometry.files.remembered import cache_folder
 from plogic.base.jobs import each
+from plogic.match.learned.learned_pixels import NO_POSES
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -22,6 +23,7 @@ if TYPE_CHECKING:
     from kb.clouds.learned import LearnedCloud
     from plogic.match.gamma.data import Data
     from plogic.match.learned.learned_models import LearnedIndex
+    from sensing.views.maps import PhotoMaps
 
 PRINTED = 110.0
 """Keypoints in the mean picture of a type, in learning, from which on it is found by these alone. Of 21 types of YCB
@@ -30,7 +32,7 @@ VIEWS = 400
 """Of a type, from all around."""
 SEEN = 3.0
 """Log-likelihood ratio from which pixels convince: 20 to 1, less than of all poses, for they are asked of few that
-looks picked. How many have it of what is there, and of what is not, ``python benchmarks/pixel_odds.py KB SCENE``
+looks picked. How many have it of what is there, and of what is not, ``python benchmarks/pixel_odds.py KB DATASET``
 prints."""
 PROPOSED = 20
 """Poses of a type."""
@@ -52,22 +54,27 @@ def draw(indices: Sequence[LearnedIndex], processes: int) -> None:
         _ = index.body
 
 
-def seen_anywhere(indices: Sequence[LearnedIndex], data: Data, processes: int) -> dict[str, Floats]:
-    """The poses (N, 4, 4) of each type with little print, by name, the best first."""
+def maps_for(indices: Sequence[LearnedIndex], data: Data, processes: int) -> PhotoMaps | None:
+    """What types with little print ask of a photo, measured before copies of this process are made; None without one.
+
+    Their views are drawn as well.
+    """
     plain = [index for index in indices if index.plain and index.paint is not None]
     if data.photo is None or not plain:
-        return {}
+        return None
     draw(plain, processes)
     from sensing.views.maps import PhotoMaps
-    from sensing.views.search import searched, share_maps
+    from sensing.views.search import share_maps
 
     maps = PhotoMaps(data.photo.image)
     share_maps(maps)
-    camera = data.camera
+    return maps
 
-    def seen(index: LearnedIndex) -> Floats:
-        assert index.body is not None  # noqa: S101 - just looked
-        return searched(maps, camera, index.body, PROPOSED)[0]
 
-    with closing(each(seen, plain, processes)) as found:
-        return {index.object_type.name: poses for index, poses in zip(plain, found, strict=True)}
+def seen_anywhere(index: LearnedIndex, maps: PhotoMaps | None, data: Data) -> Floats:
+    """The poses (N, 4, 4) of a type that a photo's maps suggest, the best first; none of what has print."""
+    if maps is None or not index.plain or index.body is None:
+        return NO_POSES
+    from sensing.views.search import searched
+
+    return searched(maps, data.camera, index.body, PROPOSED)[0]
