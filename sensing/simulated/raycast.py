@@ -112,8 +112,8 @@ class Caster:
         self._normals = np.concatenate([corner_normals(m) @ R.T for m, R in zip(meshes, turns, strict=True)])
         self._uv = np.concatenate([_uv(m)[m.triangles] for m in meshes])
         self._of = np.repeat(np.arange(len(bodies)), [len(m.triangles) for m in meshes])
-        self._paint = [paint_of(m) for m in meshes]
-        self._texels = texels_per_metre(self._corners, self._uv, np.array([p.size for p in self._paint])[self._of])
+        self._paint = [_paint(m) for m in meshes]
+        self._texels = _texels_per_metre(self._corners, self._uv, np.array([p.size for p in self._paint])[self._of])
         self._duals = _duals(self._corners)
         self.mesh = RayMesh(self._corners.reshape(-1, 3), np.arange(self._corners.shape[0] * 3).reshape(-1, 3))
 
@@ -208,14 +208,14 @@ def _uv(mesh: TexturedMesh) -> NDArray[np.float64]:
     return np.zeros((len(mesh.vertices), 2)) if mesh.uv is None else np.asarray(mesh.uv)
 
 
-def paint_of(mesh: TexturedMesh) -> TexturePyramid:
+def _paint(mesh: TexturedMesh) -> TexturePyramid:
     """The mesh's texture times its colour, or its colour alone."""
     colour = np.array(mesh.colour[::-1])
     texture = np.full((1, 1, 3), 255, np.uint8) if mesh.texture is None or mesh.uv is None else mesh.texture
     return TexturePyramid(texture if np.allclose(colour, 1) else np.rint(texture * colour).astype(np.uint8))
 
 
-def texels_per_metre(
+def _texels_per_metre(
     corners: NDArray[np.float64], uv: NDArray[np.float64], size: NDArray[np.int64]
 ) -> NDArray[np.float64]:
     """(T,) how finely each triangle is painted."""

@@ -20,10 +20,10 @@ from kb.clouds.words import worded, words_bytes
 from kb.learning import features, observations
 from kb.learning.observations import AWAY, MARGIN
 from sensing.detectors.keypoint_detector import described
+from sensing.pixels.turntable import turned
 from sensing.simulated.body import Body, TexturedMesh
 from sensing.simulated.camera import Sensor, render
 from sensing.simulated.surroundings import Light, Surroundings
-from sensing.simulated.turntable import turned
 
 SIDE = 0.1
 """Metres."""

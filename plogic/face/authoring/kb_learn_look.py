@@ -25,9 +25,9 @@ from kb.learning.symmetry_trials import Trial, judged, trials
 from kb.surfaces.surface import Surface
 from sensing.detectors.keypoint_detector import EdgeSides, described, edge_sides
 from sensing.detectors.keypoints import Keypoints
+from sensing.pixels.turntable import turned
 from sensing.simulated.body import TexturedMesh, read_mesh
 from sensing.simulated.camera import extent
-from sensing.simulated.turntable import turned
 
 CHUNK = 15
 """Directions that a process renders at a time."""
@@ -117,7 +117,7 @@ def sides_where(image: Bytes, cell: int, where: Mask) -> EdgeSides:
 
 DECIDES = "plogic/face/authoring/kb_learn_look.py"
 """What makes a cloud, with all that it imports."""
-LIBRARIES = ("numpy", "numba", "scipy", "trimesh")
+LIBRARIES = ("numpy", "numba", "scipy", "embreex", "trimesh")
 """They read, render and compute. OpenCV, which detects, comes under several names."""
 
 

@@ -14,7 +14,7 @@ from geometry.cones import even_directions, spacing
 from kb.clouds.learned import cloud_bytes, read_cloud
 from kb.learning.features import BEYOND, END, LEAST_SEEN, STEP, _alike, _places, cloud_of, reaches
 from kb.learning.observations import AWAY, EDGE, MARGIN, OFTEN, bare, distance, joined, variants
-from sensing.simulated.turntable import turned
+from sensing.pixels.turntable import turned
 
 FEW = facing(CORNER, 25.0)
 

@@ -7,10 +7,9 @@ from painted_cube import SIDE, cube
 from geometry.cones import even_directions
 from geometry.frames import inverse, transform_points
 from geometry.visibility.rays import RayMesh
-from sensing.pixels.drawn import Paint
+from sensing.pixels.turntable import FINER, turned
 from sensing.simulated.body import TexturedMesh
 from sensing.simulated.camera import extent
-from sensing.simulated.turntable import FINER, turned
 
 PIXELS, MARGIN, AWAY = 90.0, 0.125, 5.0
 
@@ -44,19 +43,6 @@ def test_depth_is_where_rays_meet_the_mesh(mesh):
         assert hit.mean() > 0.97  # a pixel at the outline may miss
         off = np.abs(distance[hit] - np.linalg.norm(line[hit], axis=1)) / diameter
         assert np.quantile(off, 0.97) < 1e-3
-
-
-@pytest.mark.parametrize("mesh", [cube(), tetrahedron()])
-def test_what_is_drawn_is_what_rays_meet(mesh):
-    paint, turns = Paint(mesh), pictures(mesh, even_directions(4))
-    assert len(turns) == 4
-    for turn in turns:
-        size = turn.camera.width, turn.camera.height
-        drawn = paint.drawn(inverse(turn.camera.world_from_camera), turn.camera.K, size)
-        assert (drawn.mask == turn.mask).mean() > 0.999
-        both = drawn.mask & turn.mask
-        np.testing.assert_allclose(turn.depth[both], drawn.depth[both], rtol=1e-5)
-        assert np.abs(turn.image.astype(float) - drawn.colour)[both].mean() < 1.0
 
 
 def between(depth, uv):
