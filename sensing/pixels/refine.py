@@ -136,6 +136,13 @@ def starts_about(pose: Floats, paint: Paint) -> list[Floats]:
     return [moved(pose, paint.middle, step) for step in steps]
 
 
+def half_turns(pose: Floats, paint: Paint) -> list[Floats]:
+    """The pose (4, 4) turned about each of the object's own axes: outlines are often nearly the same then."""
+    return [
+        moved(pose, paint.middle, np.concatenate([np.pi * pose[:3, :3] @ axis, np.zeros(3)])) for axis in paint.axes
+    ]
+
+
 def moved(pose: Floats, middle: Floats, step: Floats) -> Floats:
     """A pose after a step (6,): turned about the object's ``middle`` by a vector, radians, then moved, m."""
     angle = float(np.linalg.norm(step[:3]))

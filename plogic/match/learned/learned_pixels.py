@@ -29,6 +29,7 @@ if TYPE_CHECKING:
     from plogic.match.gamma.data import Data
     from plogic.match.learned.learned_models import LearnedIndex
     from sensing.pixels.drawn import Paint
+    from sensing.pixels.photo import Photo
     from sensing.pixels.refine import Refined
 
 Before: TypeAlias = tuple[RayMesh, np.ndarray]
@@ -81,10 +82,21 @@ def by_pixels(
         if at is not None and at.hopeless:
             hopeless.append(at)
         elif at is not None:
-            found += _told(index, at, data, kb)
+            turned = not matched and at.fit.odds > 0.0
+            found += _told(index, _of_half_turns(index, at, photo, before) if turned else at, data, kb)
     if not found and hopeless:  # the best of a type is told, whatever it is worth
         found = _told(index, max(hopeless, key=lambda at: at.fit.odds), data, kb)
     return distinct(found, index.object_type)
+
+
+def _of_half_turns(index: LearnedIndex, at: Refined, photo: Photo, before: Sequence[Before]) -> Refined:
+    """The best of a pose and of what its half turns, where the type looks different, are refined to."""
+    from sensing.pixels.refine import half_turns, refined
+
+    assert index.paint is not None  # noqa: S101 - it was refined
+    other = [pose for pose in half_turns(at.pose, index.paint) if not same_place(index.object_type, pose, at.pose)]
+    found = [refined(photo, index.paint, pose, before) for pose in other]
+    return max([at, *(some for some in found if some is not None)], key=lambda some: some.fit.odds)
 
 
 def _told(index: LearnedIndex, at: Refined, data: Data, kb: KnowledgeBase) -> list[tuple[float, Hypothesis]]:

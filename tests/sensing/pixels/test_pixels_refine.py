@@ -15,7 +15,7 @@ from sensing.pixels.crop import crop_of
 from sensing.pixels.drawn import Paint
 from sensing.pixels.energy import NO_FIT, choice, fit_of, printed, trusted
 from sensing.pixels.photo import Photo
-from sensing.pixels.refine import FINE, different, moved, refined, starts_about
+from sensing.pixels.refine import FINE, different, half_turns, moved, refined, starts_about
 
 TRUE = pose_towards(CORNER, 0.60, 0.0, (0.0, 0.0))
 
@@ -211,6 +211,14 @@ def test_starts_lie_about_the_pose_and_equal_ones_are_one(paint):
     assert len(different([TRUE, starts[0], TRUE, starts[1]], paint)) == 2
     depths = sorted(transform_points(start, paint.middle[None])[0, 2] for start in starts)
     assert depths[-1] / depths[0] == pytest.approx(1.06 / 0.94)
+
+
+def test_half_turns_keep_the_middle_and_twice_they_are_none(paint):
+    every = half_turns(TRUE, paint)
+    assert len(different([TRUE, *every], paint)) == 4
+    for k, pose in enumerate(every):
+        assert transform_points(pose, paint.middle[None]) == pytest.approx(transform_points(TRUE, paint.middle[None]))
+        assert half_turns(pose, paint)[k] == pytest.approx(TRUE, abs=1e-9)
 
 
 def test_drawn_depth_is_that_of_rays_and_outside_there_is_none(paint):
