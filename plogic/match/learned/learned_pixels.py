@@ -34,7 +34,7 @@ if TYPE_CHECKING:
 
 Before: TypeAlias = tuple[RayMesh, np.ndarray]
 """A surface that may hide pixels, and its pose (4, 4)."""
-SCREENED, FITTED, FITTED_SEEN = 6, 2, 4
+SCREENED, FITTED, FITTED_SEEN = 6, 2, 3
 """Poses of a type whose pixels are looked at; those that are moved to where the pixels fit best; and of those that
 views suggest."""
 NO_POSES = np.zeros((0, 4, 4))
