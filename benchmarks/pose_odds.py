@@ -30,12 +30,15 @@ from sensing.detectors.detector import detect
 from sensing.pixels.drawn import Paint
 from sensing.pixels.photo import Photo
 from sensing.pixels.refine import moved, refined
-from sensing.pixels.sureness import INDEPENDENT, RADIUS, Alternative, alternatives, share_of
+from sensing.pixels.sureness import INDEPENDENT, INEXACT, RADIUS, Alternative, alternatives, share_of
 from sensing.simulated.body import Body
 from sensing.simulated.camera import Sensor, render
 from sensing.simulated.surroundings import Light, Surroundings
 
-TRIED = 0.05, 0.1, 0.2, 0.5, 1.0, 2.0, 5.0
+TRIED = [(some, INEXACT) for some in (0.05, 0.2, 0.5, 1.0, 2.0, 5.0)] + [
+    (INDEPENDENT, some) for some in (0, 0.5, 1.5, 2)
+]
+"""``INDEPENDENT`` and ``INEXACT``."""
 BINS = 5
 """Of equal mass."""
 AGAIN = 1000
@@ -143,9 +146,9 @@ def accepted(
                 yield row["pose_probability"], float(error < RADIUS)
 
 
-def told(samples: list[Sample], independent: float) -> Floats:
+def told(samples: list[Sample], independent: float, inexact: float) -> Floats:
     """(N,) P(right) of each."""
-    return np.array([share_of(s.found, s.paint, s.pose, s.symmetries, independent) for s in samples])
+    return np.array([share_of(s.found, s.paint, s.pose, s.symmetries, independent, inexact) for s in samples])
 
 
 def error(p: Floats, right: Floats) -> float:
@@ -160,10 +163,10 @@ def loss(p: Floats, right: Floats) -> float:
     return float(-np.mean(np.where(right > 0, np.log(p), np.log(1.0 - p))))
 
 
-def line(samples: list[Sample], independent: float) -> str:
-    """The figures of one scale."""
-    p, right = told(samples, independent), np.array([float(s.right) for s in samples])
-    return f"{independent:g}: {figures(p, right, [s.of for s in samples])}"
+def line(samples: list[Sample], scales: tuple[float, float]) -> str:
+    """The figures of two scales."""
+    p, right = told(samples, *scales), np.array([float(s.right) for s in samples])
+    return f"{scales[0]:g}, {scales[1]:g}: {figures(p, right, [s.of for s in samples])}"
 
 
 def figures(p: Floats, right: Floats, names: list[str]) -> str:
@@ -192,9 +195,10 @@ def main(kb_folder: str, dataset: Path, count: int) -> None:
         ("real", real(types, dataset, numbers, count)),
     ):
         samples = list(some)
-        print(f"{name}: {len(samples)} poses of {len({s.of for s in samples})} objects; in use {INDEPENDENT:g}")  # noqa: T201 - a script
-        for independent in TRIED:
-            print("  " + line(samples, independent), flush=True)  # noqa: T201
+        objects = len({s.of for s in samples})
+        print(f"{name}: {len(samples)} poses of {objects} objects; in use {INDEPENDENT:g}, {INEXACT:g}")  # noqa: T201 - a script
+        for scales in TRIED:
+            print("  " + line(samples, scales), flush=True)  # noqa: T201
     rows = np.array(list(accepted(perceiver, types, dataset, numbers))).reshape(-1, 2)
     print(f"accepted: {len(rows)}: {figures(rows[:, 0], rows[:, 1], [str(i) for i in range(len(rows))])}")  # noqa: T201
 

@@ -2,14 +2,18 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+from math import erf
+
 import numpy as np
 import pytest
 from painted_cube import CAMERA, CORNER, cube, picture, pose_towards
 
+from sensing.pixels.crop import crop_of
 from sensing.pixels.drawn import Paint
 from sensing.pixels.photo import Photo
-from sensing.pixels.refine import moved
-from sensing.pixels.sureness import Alternative, alternatives, share_of, sureness
+from sensing.pixels.refine import FINE, moved
+from sensing.pixels.sureness import Alternative, alternatives, inexact, share_of, sureness
 
 TRUE = pose_towards(CORNER, 0.60, 0.0, (0.0, 0.0))
 ITSELF = np.eye(4)[None]
@@ -25,9 +29,9 @@ def photo():
     return Photo(picture([TRUE], seed=3), CAMERA)
 
 
-def at(pose, score=0.0, known=1e9):
+def at(pose, score=0.0, known=1e9, inexact=0.0):
     """An alternative that is known so well: 1/rad², 1/m²."""
-    return Alternative(pose, score, np.eye(6), known * np.eye(6))
+    return Alternative(pose, score, np.eye(6), known * np.eye(6), inexact)
 
 
 def farther(share):
@@ -64,6 +68,22 @@ def test_what_is_known_less_is_less_sure(paint):
     shares = [share_of([at(TRUE, known=known)], paint, TRUE, ITSELF) for known in (1e1, 1e4, 1e5, 1e9)]
     assert shares == sorted(shares)
     assert shares[0] < 0.2
+
+
+def test_what_is_not_quite_the_mesh_is_less_sure_the_farther_it_is(paint):
+    """Oracle: the share of a normal distance that is within a tenth of the diameter."""
+    shares = [share_of([at(TRUE, inexact=share)], paint, TRUE, ITSELF) for share in (0.0, 0.005, 0.02, 0.05)]
+    assert shares == sorted(shares, reverse=True)
+    near = paint.diameter / 10.0 / (0.05 * np.linalg.norm(TRUE[:3, :3] @ paint.middle + TRUE[:3, 3]))
+    assert shares[-1] == pytest.approx(erf(near / np.sqrt(2.0)), abs=0.03)
+
+
+def test_an_outline_that_fits_is_exact(paint, photo):
+    """Beside a cube that is longer by a sixteenth."""
+    longer = cube()
+    longer = replace(longer, vertices=longer.vertices * [1.0, 1.0, 1.06])
+    crop = crop_of(photo, paint, TRUE, FINE)
+    assert inexact(crop, paint, TRUE) < 0.01 < inexact(crop, Paint(longer), TRUE)
 
 
 def test_a_turn_that_changes_nothing_makes_no_pose_wrong(paint):
