@@ -71,7 +71,7 @@ def beside(true: Floats, paint: Paint, rng: np.random.Generator) -> Floats:
 def sample(photo: Photo, paint: Paint, kind: ObjectType, true: Floats, start: Floats, of: str) -> Sample | None:
     """What a start comes to."""
     at = refined(photo, paint, start)
-    found = alternatives(photo, paint, at[0]) if at is not None else []
+    found = alternatives(photo, paint, at.pose) if at is not None and not at.hopeless else []
     if at is None or not found:
         return None
     return Sample(of, off(at[0], true, paint, kind) < RADIUS, found, paint, at[0], kind.symmetries)

@@ -12,6 +12,7 @@ import numpy as np
 
 from benchmarks.photos.score import Posed
 from benchmarks.photos.told import forecasts, type_of
+from sensing.pixels.energy import LEAST
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Mapping
@@ -20,7 +21,9 @@ if TYPE_CHECKING:
     from geometry.arrays import Bytes
     from geometry.camera import Camera
     from kb.clouds.cloud import KnowledgeBase
+    from plogic.cycle.state import Cycle
     from plogic.facts.document import Interpretation
+    from plogic.facts.hypothesis import Hypothesis
     from plogic.run.bop.dataset import Dataset
     from plogic.run.bop.models import Model
 
@@ -45,12 +48,16 @@ class Shown(NamedTuple):
 
 
 class Answer(NamedTuple):
-    """What was accepted, in how many seconds, and what the document claims with what came of it."""
+    """What was accepted, in how many seconds, and what the document claims with what came of it.
+
+    ``first``: of each type the candidate that its pixels speak for most, accepted or not.
+    """
 
     shown: Shown
     ours: tuple[Posed, ...]
     seconds: float
     told: tuple[Forecast, ...]
+    first: tuple[Posed, ...] = ()
 
     def said(self, names: Mapping[int, str]) -> str:
         """A line of progress."""
@@ -99,7 +106,16 @@ class Looker:
         seconds = perf_counter() - start
         document = self._perceiver.document(gamma, *found, options, shown.image, clock)
         told = forecasts(document, self.numbers, shown, models)
-        return Answer(shown, self.accepted(document), seconds, tuple(told))
+        return Answer(shown, self.accepted(document), seconds, tuple(told), self._first(found[1]))
+
+    def _first(self, cycle: Cycle) -> tuple[Posed, ...]:
+        best: dict[str, Hypothesis] = {}
+        for posed in sorted(
+            (*cycle.accepted, *cycle.considered, *cycle.rejected),
+            key=lambda h: -(LEAST if h.pixels is None else h.pixels),
+        ):
+            best.setdefault(posed.type, posed)
+        return tuple(Posed(self.numbers[t], h.camera_from_object) for t, h in best.items() if t in self.numbers)
 
     def accepted(self, document: Interpretation) -> tuple[Posed, ...]:
         """The accepted objects of types that have a number."""

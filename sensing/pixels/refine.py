@@ -70,12 +70,16 @@ further. Of what was found in 17 photos and 26 simulated ones none of the 103 ob
 the others half end here."""
 
 
-def refined(
-    photo: Photo, paint: Paint, pose: Floats, before: Sequence[tuple[RayMesh, Floats]] = ()
-) -> tuple[Floats, Fit] | None:
-    """The best-fitting pose (4, 4) from a start and from starts beside it, and its whole fit.
+class Refined(NamedTuple):
+    """A pose (4, 4) and its whole fit; ``hopeless``: nothing fits near, and it was not moved to the end."""
 
-    None if it is not in sight, or nothing fits near.
+    pose: Floats
+    fit: Fit
+    hopeless: bool = False
+
+
+def refined(photo: Photo, paint: Paint, pose: Floats, before: Sequence[tuple[RayMesh, Floats]] = ()) -> Refined | None:
+    """The best-fitting pose from a start and from starts beside it; None if it is not in sight.
 
     ``before``: the surfaces of what stands there for sure, and its poses.
     """
@@ -84,18 +88,23 @@ def refined(
         return None
     starts = starts_about(pose, paint)
     coarse = [settled(small, paint, start, [FIRST]) for start in starts[: 1 + len(DEPTHS)]]
-    if ordered(small, paint, coarse)[0][0][1] < HOPELESS[0]:
-        return None
+    found, trust = ordered(small, paint, coarse)
+    if found[0][1] < HOPELESS[0]:
+        return _given_up(large, paint, found[0][0])
     coarse += [settled(small, paint, start, [FIRST]) for start in starts[1 + len(DEPTHS) :]]
     found, trust = ordered(small, paint, coarse)
     found, trust = ordered(small, paint, [settled(small, paint, some, far(trust)) for some, _ in found[:KEPT]])
     if found[0][1] < HOPELESS[1]:
-        return None
+        return _given_up(large, paint, found[0][0])
     best = different([some for some, score in found if score >= found[0][1] - CLOSE], paint)
     poses = [pose, *(settled(large, paint, some, exact(trust)) for some in best)]
     fits = [fit_of(large, paint, some) for some in poses]
     chosen = choice(fits)[0]
-    return poses[chosen], fit_of(large, paint, poses[chosen], whole=True)
+    return Refined(poses[chosen], fit_of(large, paint, poses[chosen], whole=True))
+
+
+def _given_up(large: Crop, paint: Paint, pose: Floats) -> Refined:
+    return Refined(pose, fit_of(large, paint, pose, whole=True), hopeless=True)
 
 
 def ordered(crop: Crop, paint: Paint, poses: Sequence[Floats]) -> tuple[list[tuple[Floats, float]], float]:

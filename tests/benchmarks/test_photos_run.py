@@ -26,8 +26,10 @@ def ran(folder, *more):
 def test_photos_are_counted_claimed_and_drawn(one):
     found, done = ran(one, "--pictures", "pictures")
     assert done.returncode == 1, "eleven of twelve are asked for"
-    ours, peer = found["rows"]
+    ours, first, peer = found["rows"]
     assert (ours["row"], ours["there"], ours["right"], ours["false"]) == ("ycb, ours", 2, 2, 0)
+    assert first["row"] == "ycb, the first of each type"
+    assert (first["there"], first["accepted"], first["found"]) == (2, 2, 2)
     assert peer["there"] == 2
     assert found["not right"] == []
     claimed = {row["claim"]: row for row in found["claimed"]}

@@ -29,10 +29,11 @@ if TYPE_CHECKING:
     from plogic.match.gamma.data import Data
     from plogic.match.learned.learned_models import LearnedIndex
     from sensing.pixels.drawn import Paint
+    from sensing.pixels.refine import Refined
 
 Before: TypeAlias = tuple[RayMesh, np.ndarray]
 """A surface that may hide pixels, and its pose (4, 4)."""
-SCREENED, FITTED, FITTED_SEEN = 6, 2, 3
+SCREENED, FITTED, FITTED_SEEN = 6, 2, 4
 """Poses of a type whose pixels are looked at; those that are moved to where the pixels fit best; and of those that
 views suggest."""
 NO_POSES = np.zeros((0, 4, 4))
@@ -68,19 +69,29 @@ def by_pixels(
     ]
     by_views = [row for row in screened(index, seen, np.zeros(len(seen)), data, before, len(seen)) if row[0] >= FAINT]
     starts = [(*row[:2], True) for row in by_keypoints[:FITTED]] + [(*row[:2], False) for row in by_views[:FITTED_SEEN]]
-    found = []
+    found: list[tuple[float, Hypothesis]] = []
     tried: list[tuple[float, Floats]] = []
+    hopeless: list[Refined] = []
     for score, pose, matched in starts:
         if any(score < other - CLOSE and _in_one_place(paint, pose, there) for other, there in tried):
             continue
         tried.append((score, pose))
         start = index.settle(pose, data, kb, rounds=2).camera_from_object if matched else pose
         at = refined(photo, paint, start, before)
-        if at is not None:
-            moved = index.settle(at[0], data, kb, rounds=0).told(pixels=at[1].odds)
-            if (moved.candidate & moved.detected).sum() >= FEWEST:
-                found.append((evidence(moved, data, kb).ratio, moved))
+        if at is not None and at.hopeless:
+            hopeless.append(at)
+        elif at is not None:
+            found += _told(index, at, data, kb)
+    if not found and hopeless:  # the best of a type is told, whatever it is worth
+        found = _told(index, max(hopeless, key=lambda at: at.fit.odds), data, kb)
     return distinct(found, index.object_type)
+
+
+def _told(index: LearnedIndex, at: Refined, data: Data, kb: KnowledgeBase) -> list[tuple[float, Hypothesis]]:
+    """The hypothesis of a refined pose, with its log-likelihood ratio; none where too little of it is detected."""
+    moved = index.settle(at.pose, data, kb, rounds=0).told(pixels=at.fit.odds)
+    enough = (moved.candidate & moved.detected).sum() >= FEWEST
+    return [(evidence(moved, data, kb).ratio, moved)] if enough else []
 
 
 def screened(

@@ -54,9 +54,10 @@ def disturbed(paint, turn=(0.0, 0.0, 0.0), shift=(0.0, 0.0, 0.0)):
 )
 def test_a_pose_that_is_off_comes_back(paint, photo, turn, shift):
     """8 % of the distance, 7 px across, 10° of tilt, and both."""
-    pose, fit = refined(photo, paint, disturbed(paint, turn, shift))
+    pose, fit, hopeless = refined(photo, paint, disturbed(paint, turn, shift))
     assert off(paint, pose) < 0.02
     assert fit.odds > 8.0
+    assert not hopeless
 
 
 @pytest.mark.parametrize("shift", [0.03, -0.03, 0.0])
@@ -65,7 +66,7 @@ def test_paint_that_is_not_the_objects_pulls_nothing(photo, shift):
     from painted_cube import paint as print_of
 
     other = Paint(replace(cube(), texture=print_of(seed=11)))
-    pose, fit = refined(photo, other, disturbed(other, (0, 4, 0), (0, 0, shift)))
+    pose, fit, _ = refined(photo, other, disturbed(other, (0, 4, 0), (0, 0, shift)))
     assert fit.correlation < 0.2
     assert off(other, pose) < 0.01
 
@@ -79,7 +80,10 @@ def test_print_is_trusted_as_far_as_any_correlates():
 
 def test_in_a_picture_without_it_nothing_fits(paint):
     empty = Photo(np.random.default_rng(0).integers(0, 255, (CAMERA.height, CAMERA.width, 3), dtype=np.uint8), CAMERA)
-    assert refined(empty, paint, TRUE) is None
+    found = refined(empty, paint, TRUE)
+    assert found is not None
+    assert found.hopeless
+    assert found.fit.odds < 0.0
 
 
 def test_the_right_pose_fits_better_than_wrong_ones(paint, photo):
@@ -154,9 +158,10 @@ def test_light_and_white_balance_change_little(paint, photo):
     """A gain and an offset for each channel, and a shade across the picture."""
     shade = np.linspace(0.6, 1.1, CAMERA.width)[None, :, None]
     image = np.clip(photo.image * shade * [0.8, 1.0, 1.15] + 8.0, 0, 255).astype(np.uint8)
-    pose, fit = refined(Photo(image, CAMERA), paint, disturbed(paint, (0, 0, 0), (0, 0, 0.03)))
+    pose, fit, hopeless = refined(Photo(image, CAMERA), paint, disturbed(paint, (0, 0, 0), (0, 0, 0.03)))
     assert off(paint, pose) < 0.02
     assert fit.odds > 8.0
+    assert not hopeless
 
 
 def test_the_same_input_gives_the_same_pose(photo):
@@ -179,7 +184,7 @@ def test_a_lens_is_taken_out(paint, photo):
     one = crop_of(Photo(distorted, bent), paint, TRUE, FINE)
     two = crop_of(Photo(straight, ideal), paint, TRUE, FINE)
     assert np.abs(one.lab - two.lab).mean() < 0.5
-    pose, _ = refined(Photo(distorted, bent), paint, disturbed(paint, (0, 0, 0), (0, 0, 0.03)))
+    pose, *_ = refined(Photo(distorted, bent), paint, disturbed(paint, (0, 0, 0), (0, 0, 0.03)))
     assert off(paint, pose) < 0.02
 
 
