@@ -4,7 +4,6 @@
 """
 
 from dataclasses import dataclass
-from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
@@ -54,11 +53,6 @@ class Paint:
         corners, own = np.unique(mesh.vertices, axis=0, return_inverse=True)
         self._corners, self._triangles = np.array(corners, float), np.reshape(own, -1)[mesh.triangles]
         self._outer = hull_corners(mesh.vertices)
-
-    @cached_property
-    def axes(self) -> Floats:
-        """(3, 3) rows: the principal directions of its corners, object frame."""
-        return np.asarray(np.linalg.eigh(np.cov(self._corners.T))[1].T)
 
     def box(self, pose: Floats, K: Floats) -> Floats | None:
         """(2, 2) least and greatest pixel (u, v) of its vertices at a pose (4, 4); None where some are too near."""

@@ -82,7 +82,7 @@ def by_pixels(
         if at is not None and at.hopeless:
             hopeless.append(at)
         elif at is not None:
-            turned = not matched and at.fit.odds > 0.0
+            turned = index.plain and at.fit.odds > 0.0
             found += _told(index, _of_half_turns(index, at, photo, before) if turned else at, data, kb)
     if not found and hopeless:  # the best of a type is told, whatever it is worth
         found = _told(index, max(hopeless, key=lambda at: at.fit.odds), data, kb)
