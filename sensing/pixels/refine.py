@@ -138,9 +138,7 @@ def starts_about(pose: Floats, paint: Paint) -> list[Floats]:
 
 def half_turns(pose: Floats, paint: Paint) -> list[Floats]:
     """The pose (4, 4) turned about each of the object's own axes: outlines are often nearly the same then."""
-    return [
-        moved(pose, paint.middle, np.concatenate([np.pi * pose[:3, :3] @ axis, np.zeros(3)])) for axis in paint.axes
-    ]
+    return [moved(pose, paint.middle, np.concatenate([np.pi * axis, np.zeros(3)])) for axis in pose[:3, :3].T]
 
 
 def moved(pose: Floats, middle: Floats, step: Floats) -> Floats:
