@@ -44,7 +44,7 @@ come at all.
 
 
 DIRECTIONS = 80
-"""Viewpoints on the sphere: one per 23°, within which SIFT holds.."""
+"""Viewpoints on the sphere: one per 23°, within which SIFT holds."""
 PIXELS = (290.0, 190.0, 125.0, 82.0)
 """How large the object's diameter is in the pictures, pixels: what cameras see of a thing on a table and a room
 away. Of the 127 textured objects of `plogic bench recognition` 121 are found, 119 with the right pose; with five sizes
