@@ -26,8 +26,8 @@ if TYPE_CHECKING:
     from sensing.views.maps import PhotoMaps
 
 PRINTED = 135.0
-"""Keypoints in the mean picture of a type, in learning, from which on it is found by these alone. Of what shows no print
-an egg box has 131 for its folds, others up to 89; of what does, two have 125 and the others 145 and more."""
+"""Keypoints in the mean picture of a type, in learning, from which on it is found by these alone. Of what shows no
+print an egg box has 131 for its folds, others up to 89; of what does, two have 125 and the others 145 and more."""
 VIEWS = 400
 """Of a type, from all around."""
 SEEN = 3.0
