@@ -153,7 +153,7 @@ def _fails(task: Task, hypothesis: Hypothesis) -> bool:
     """
     if hypothesis.ev_reconsidered is None or hypothesis.ev_reconsidered <= 0.0 or hypothesis.worth <= 0.0:
         return True
-    demanded = task.models[hypothesis.type].significance(hypothesis)
+    demanded = task.demanded(hypothesis)
     return hypothesis.pixels is not None and hypothesis.surplus <= demanded
 
 
@@ -191,7 +191,7 @@ def exchanged(task: Task, state: State) -> State:
     """
     for rival in sorted(state.rivals, key=lambda h: -h.worth):
         excluded = [h for h in state.accepted if in_the_way(rival, h)]
-        enough = state.stable.weight + task.models[rival.type].significance(rival)
+        enough = state.stable.weight + task.demanded(rival)
         by_volume = all(shared_claims(rival, h)[1] <= SHARED_CLAIMS for h in excluded)
         for lost in ([], excluded) if by_volume and excluded else (excluded,):
             if state.stable.weight + rival.worth - sum(h.worth for h in lost) <= enough:
@@ -252,7 +252,7 @@ def chosen(task: Task, state: State, judged: Sequence[Hypothesis], choose: Choic
 
 def _hopeful(task: Task, hypothesis: Hypothesis) -> bool:
     """Whether refinement may add to its evidence what it lacks."""
-    return hypothesis.surplus >= task.models[hypothesis.type].significance(hypothesis) - POLISH
+    return hypothesis.surplus >= task.demanded(hypothesis) - POLISH
 
 
 def _tilted(task: Task, state: State, hypothesis: Hypothesis, left: Data) -> Hypothesis:

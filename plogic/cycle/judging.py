@@ -89,7 +89,7 @@ def _unsupported(task: Task, state: State, hypothesis: Hypothesis) -> str | None
     if hypothesis.ev_reconsidered is None or hypothesis.ev_reconsidered <= 0.0:
         return f"ev {rounded(hypothesis.ev_reconsidered)} is not above 0"
     surplus = hypothesis.surplus + _harm(task, state.accepted, hypothesis)
-    demanded = model.significance(hypothesis)
+    demanded = task.demanded(hypothesis)
     if surplus <= demanded:
         return f"log-likelihood ratio {surplus:.1f} beyond what any pose has; {demanded:.1f} is demanded"
     return None
@@ -213,7 +213,7 @@ def _alone(task: Task, state: State, hypothesis: Hypothesis) -> Hypothesis | Non
     replaced = [h for h in state.accepted if in_the_way(hypothesis, h)]
     if not replaced:
         return None
-    least = task.models[hypothesis.type].significance(hypothesis)
+    least = task.demanded(hypothesis)
     least *= -1.0 if any(excludes(hypothesis, h) for h in replaced) else 1.0
     others = [h for h in state.accepted if not any(h is one for one in replaced)]
     found = _beside(task, hypothesis, hypothesis.camera_from_object, others, rounds=1)

@@ -125,6 +125,11 @@ class Task:
         """Focal length, and the pixels within which two bodies on the screen may concern each other."""
         return self.data.camera.f, 2.0 * self.kb.rates.match_tolerance
 
+    def demanded(self, hypothesis: Hypothesis) -> float:
+        """The log-likelihood ratio that a hypothesis must exceed, beyond what any pose has."""
+        search, model = self.search_for(hypothesis), self.models[hypothesis.type]
+        return model.significance(hypothesis) if search is None else search.demanded(model, hypothesis)
+
     def search_for(self, hypothesis: Hypothesis) -> Search | None:
         """The search for its type, while there is one."""
         return next((search for models, search in self.searches if hypothesis.type in models), None)

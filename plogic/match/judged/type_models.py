@@ -175,6 +175,10 @@ class Search(Protocol):
         """
         ...
 
+    def demanded(self, model: TypeModel, posed: Hypothesis) -> float:
+        """The log-likelihood ratio that a hypothesis must exceed in this Γ, beyond what any pose has."""
+        return model.significance(posed)
+
     def deepen(self, left: Data, *, accepted: bool) -> str | None:  # noqa: ARG002 - a kind may have more to say
         """Search further the next time, and why; None where that is not done.
 

@@ -25,8 +25,9 @@ from plogic.facts.hypothesis import Hypothesis
 from plogic.match.gamma.data import Data
 from plogic.match.judged.evidence import evidence
 from plogic.match.judged.expectation import polished, settled
-from plogic.match.judged.type_models import SURE, Found, Given, Ranks, Request, Search, Setup, TypeModels
+from plogic.match.judged.type_models import SURE, Found, Given, Ranks, Request, Search, Setup, TypeModel, TypeModels
 from plogic.match.learned.agreement import Lobes, lobes_of
+from plogic.match.learned.convincing import demanded
 from plogic.match.learned.keypoints import Lexicon, lexicon_of
 from plogic.match.learned.learned_match import ROBUST, matched, pose_of, precision
 from plogic.match.learned.learned_pixels import NO_POSES, hiding, looked_beside, pictured
@@ -303,13 +304,14 @@ class LearnedSearch(Search):
     """The search in what is left of Γ.
 
     ``_searched``: the types searched for before, each with how many of it were accepted then; ``_seen``: the poses that
-    the whole photo suggested of them.
+    the whole photo suggested of them; ``_odds``: what pixels told at most of each.
     """
 
     models: Mapping[str, LearnedIndex]
     request: Request
     _searched: dict[str, int] = field(default_factory=dict)
     _seen: dict[str, Floats] = field(default_factory=dict)
+    _odds: dict[str, float] = field(default_factory=dict)
 
     @cached_property
     def _voted(self) -> dict[str, Voted]:
@@ -363,8 +365,16 @@ class LearnedSearch(Search):
         with closing(searched(search, indices, left, self.request.processes)) as searches:
             for name, (found, self._seen[name]) in zip(names, searches, strict=True):
                 given.seen(found)
+                best = max((posed.pixels for _, posed in found if posed.pixels is not None), default=-np.inf)
+                self._odds[name] = max(best, self._odds.get(name, -np.inf))
                 yield found
                 self._searched[name] = given.count(name)
+
+    def demanded(self, model: TypeModel, posed: Hypothesis) -> float:
+        """Of what pixels tell so much less, the more of the types are there."""
+        if posed.pixels is None or len(self._odds) < len(self.models):
+            return model.significance(posed)
+        return demanded(np.array(list(self._odds.values())))
 
 
 def bodies(models: Mapping[str, LearnedIndex], accepted: Sequence[Hypothesis]) -> Floats:

@@ -31,9 +31,8 @@ print an egg box has 131 for its folds, others up to 89; of what does, two have 
 VIEWS = 400
 """Of a type, from all around."""
 SEEN = 3.0
-"""Log-likelihood ratio from which pixels convince: 20 to 1, less than of all poses, for they are asked of few that
-looks picked. How many have it of what is there, and of what is not, ``python benchmarks/pixel_odds.py KB DATASET``
-prints."""
+"""Log-likelihood ratio from which pixels convince before all types were searched for (``convincing``): 20 to 1. How
+many have it of what is there, and of what is not, ``python benchmarks/pixel_odds.py KB DATASET`` prints."""
 PROPOSED = 20
 """Poses of a type."""
 
