@@ -51,19 +51,9 @@ class PhotoMaps:
     _edges: dict[tuple[float, int, int], NDArray[np.int8]] = field(default_factory=dict)
     _cells: dict[float, Ints] = field(default_factory=dict)
 
-    @cached_property
-    def grey(self) -> NDArray[np.float32]:
-        """The photo (H, W, 3) in light in which it is grey on the whole, for its white balance is not known.
-
-        Of 89 objects 31 are right among the first ten, 37 among fifty; in the photo's own light 29 and 35
-        (``python benchmarks/view_seeds.py KB DATASET``).
-        """
-        usual = self.image.reshape(-1, 3).mean(axis=0, dtype=float)
-        return np.clip(self.image * (usual.mean() / np.maximum(usual, 1.0)), 0.0, 255.0).astype(np.float32)
-
     def scaled(self, scale: float) -> NDArray[np.float32]:
         """The photo (h, w, 3) in a scale of at most 1."""
-        whole = self.grey
+        whole = self.image.astype(np.float32)
         if scale >= 1.0:
             return whole
         high, wide = (int(np.ceil(side * scale)) for side in whole.shape[:2])
@@ -91,7 +81,7 @@ class PhotoMaps:
     @cached_property
     def usual(self) -> Floats:
         """(cells of Lab,) how the photo's pixels are spread."""
-        return spread_of(cell_of(lab_of(self.grey[::2, ::2])), (1.5, 1.2, 1.2))
+        return spread_of(cell_of(lab_of(self.image[::2, ::2].astype(np.float32))), (1.5, 1.2, 1.2))
 
 
 class TypeMaps:

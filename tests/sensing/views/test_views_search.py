@@ -92,17 +92,3 @@ def test_a_plate_seen_from_its_edge_has_views_all_the_same():
     seen = views_of(plate, 101)  # the middle one looks along it
     number = (seen.kind == OUTLINE).sum(axis=1)
     assert number[50] < 10 < np.median(number)
-
-
-def test_white_balance_changes_no_colours():
-    """But for rounding, and how bright all is."""
-    image = photographed(look_at([0.1, -0.4, 0.3], PAINT.middle), 5)
-    tinted = np.rint(image * np.array([0.7, 1.0, 0.8])).astype(np.uint8)
-    one, other = (PhotoMaps(some).grey for some in (image, tinted))
-    dim = np.maximum(one, other).max(axis=2) < 255.0
-    assert dim.mean() > 0.5
-    assert np.abs(one / one.mean() - other / other.mean())[dim].max() < 0.03
-
-
-def test_a_black_photo_is_black():
-    assert not PhotoMaps(np.zeros((24, 32, 3), np.uint8)).grey.any()
