@@ -38,9 +38,11 @@ def faces(surface: Surface) -> tuple[Face, ...]:
     one.
     """
     normals, graph = normals_of(surface), _flat_neighbours(surface)
+    alone = _triangle_loops(surface, normals)
     groups: list[tuple[frozenset[int], tuple[int, ...]]] = []
     for region in nx.connected_components(graph):
-        whole = _convex_loop(surface, region, normals[min(region)])
+        one = min(region)
+        whole = alone[one] if len(region) == 1 else _convex_loop(surface, region, normals[one])
         groups += [(frozenset(region), whole)] if whole else _cut(surface, region, graph, normals[min(region)])
     groups.sort(key=lambda group: min(group[0]))
     return tuple(Face(loop, normals[min(inside)], tuple(sorted(inside))) for inside, loop in groups)
@@ -88,6 +90,19 @@ def _cut(
                 piece.update(dict.fromkeys(union, union))
                 joined = True
     return [(inside, _convex_loop(surface, inside, normal)) for inside in set(piece.values())]
+
+
+def _triangle_loops(surface: Surface, normals: NDArray[np.float64]) -> list[tuple[int, ...]]:
+    """As ``_convex_loop``, of each facet alone: most faces of a scanned mesh are one."""
+    first = surface.triangles.argmin(axis=1)[:, None]
+    loops = np.take_along_axis(surface.triangles, (first + np.arange(3)) % 3, axis=1)
+    steps = surface.vertices[np.roll(loops, -1, axis=1)] - surface.vertices[loops]
+    steps /= np.linalg.norm(steps, axis=2, keepdims=True)
+    turns = np.einsum("tkd,td->tk", np.cross(np.roll(steps, 1, axis=1), steps), normals)
+    return [
+        tuple(vertex for vertex, turn in zip(loop, some, strict=True) if turn > COPLANAR)
+        for loop, some in zip(loops.tolist(), turns.tolist(), strict=True)
+    ]
 
 
 def _convex_loop(surface: Surface, inside: Iterable[int], normal: NDArray[np.float64]) -> tuple[int, ...]:
