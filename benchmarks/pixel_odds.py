@@ -8,7 +8,8 @@ pose, and what looks like another type that is there, where that one is, for whi
 tell; of "its outline is found" for what is plain (``PLAIN``), where a wrong pose of a type that is there is one of
 none. Then, by the weights of the other photos alone: what each photo's poses have; and of the best pose of each type in
 each photo how many are accepted where nine of ten of all photos' are found, and of these how many are found, and right.
-And how many poses of absent types pass ``PROMISING`` before they are refined.
+And how many poses of absent types pass ``PROMISING`` before they are refined; and how many objects, and others, are
+given up (``sensing.pixels.refine.HOPELESS``).
 """
 
 import argparse
@@ -60,7 +61,7 @@ SCALES = (1.0, 5.0, 3.0, 10.0, 10.0), (1.0, 4.0, 3.5, 9.0, 3.0, 3.5, 1.5)
 class Row(NamedTuple):
     """``there``: 1 right, 0 absent, NaN neither; ``found``: 1 its outline is, 0 is not, NaN neither.
 
-    ``off``: ADD, diameters, NaN where it is absent; ``line``: all of it in words.
+    ``off``: ADD, diameters, NaN where it is absent; ``hopeless``: it was given up; ``line``: all of it in words.
     """
 
     photo: str
@@ -70,6 +71,7 @@ class Row(NamedTuple):
     off: float
     coarse: float
     fit: Fit
+    hopeless: bool
     line: str
 
 
@@ -132,18 +134,18 @@ def rows_of(perceiver: Perceiver, shown: Seen) -> Iterator[Row]:
             found = refined(photo, paint, pose)
             if found is None:
                 continue
-            off = min((_off(index, paint, found[0], posed) for posed in shown.posed.get(name, ())), default=np.nan)
-            mask = _mask(paint, found[0], shown.camera)
+            off = min((_off(index, paint, found.pose, posed) for posed in shown.posed.get(name, ())), default=np.nan)
+            mask = _mask(paint, found.pose, shown.camera)
             own = max((_over(mask, other) for other in true.get(name, ())), default=0.0)
             alike = any(_over(mask, other) >= OVER for masks in true.values() for other in masks)
             neither = name in shown.posed or name in shown.unposed or alike
             there = 1.0 if off < RIGHT else np.nan if neither else 0.0
             outlined = 1.0 if own >= FOUND else np.nan if own >= OVER or name in shown.unposed else 0.0
             said = "right" if there == 1.0 else "absent" if there == 0.0 else "neither"
-            fit = found[1]
+            fit = found.fit
             line = f"{shown.name} {name} {said} ADD {off:.3f} over {own:.2f} coarse {score:.1f} odds {fit.odds:.1f}"
             line = " ".join([line, *(f"{value:.2f}" for value in fit)])
-            yield Row(shown.name, name, there, outlined, off, score, fit, line)
+            yield Row(shown.name, name, there, outlined, off, score, fit, found.hopeless, line)
 
 
 def paints_of(perceiver: Perceiver) -> dict[str, Paint]:
@@ -245,6 +247,11 @@ def told(rows: list[Row]) -> None:
     right, absent = ([row for row in rows if row.there == value] for value in (1.0, 0.0))
     passed = sum(row.coarse >= PROMISING for row in absent)
     print(f"{len(right)} right, {len(absent)} of absent types, {passed} of these coarsely above {PROMISING:g}")  # noqa: T201
+    good = [row for row in rows if 1.0 in (row.there, row.found)]
+    objects = {(row.photo, row.type) for row in good}
+    lost = objects - {(row.photo, row.type) for row in good if not row.hopeless}
+    others = [row.hopeless for row in rows if 1.0 not in (row.there, row.found)]
+    print(f"given up: {len(lost)} of {len(objects)} objects, {sum(others)} of {len(others)} other poses")  # noqa: T201
     for name, weights, used in zip(("print", "plain"), learned(rows), (ODDS, PLAIN), strict=True):
         print(f"{name}: weights", np.round(weights, 1), "in use", used)  # noqa: T201
     by_photo = {

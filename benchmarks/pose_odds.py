@@ -74,7 +74,7 @@ def sample(photo: Photo, paint: Paint, kind: ObjectType, true: Floats, start: Fl
     found = alternatives(photo, paint, at.pose) if at is not None and not at.hopeless else []
     if at is None or not found:
         return None
-    return Sample(of, off(at[0], true, paint, kind) < RADIUS, found, paint, at[0], kind.symmetries)
+    return Sample(of, off(at.pose, true, paint, kind) < RADIUS, found, paint, at.pose, kind.symmetries)
 
 
 def off(pose: Floats, true: Floats, paint: Paint, kind: ObjectType) -> float:

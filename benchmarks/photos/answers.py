@@ -12,7 +12,6 @@ import numpy as np
 
 from benchmarks.photos.score import Posed
 from benchmarks.photos.told import forecasts, type_of
-from sensing.pixels.energy import LEAST
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Mapping
@@ -112,7 +111,7 @@ class Looker:
         best: dict[str, Hypothesis] = {}
         for posed in sorted(
             (*cycle.accepted, *cycle.considered, *cycle.rejected),
-            key=lambda h: -(LEAST if h.pixels is None else h.pixels),
+            key=lambda h: -(-np.inf if h.pixels is None else h.pixels),
         ):
             best.setdefault(posed.type, posed)
         return tuple(Posed(self.numbers[t], h.camera_from_object) for t, h in best.items() if t in self.numbers)

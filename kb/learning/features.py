@@ -96,7 +96,8 @@ def cloud_of(seen: Observations, diameter: float, f_ref: float, count: int, most
     lobes = _lobes(seen, members, directions)
     good = np.flatnonzero(~lobes.sided | (lobes.hit >= SIDES_SEEN))
     which, feature = np.unique(feature[good], return_inverse=True)
-    lobes = _lobes(seen, [members[i] for i in good], directions)
+    kept = _Groups([members[i] for i in good])
+    lobes = _Lobes(kept, lobes.axis[good], lobes.half_angle[good], lobes.hit[good], lobes.sided[good])
     cloud = LearnedCloud(
         **_feature_arrays(seen, [groups[i] for i in which]), **_lobe_arrays(seen, lobes, feature, diameter, f_ref)
     )

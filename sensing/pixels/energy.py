@@ -26,6 +26,8 @@ LOST = 0.1
 SHARP, CLUTTER, MISSED = 1.1, 0.25, -0.45
 """An edge is off its place by so many pixels (standard deviation); share of edges that are another's; what it tells
 that there is none."""
+NEAR_IT = 3.0
+"""Pixels within which an edge is the outline's."""
 WHOLE = 0.4
 """Share of the square over its larger side that a body covers: all of its print is that of so many pixels."""
 
@@ -66,6 +68,7 @@ class Fit(NamedTuple):
     ``visible``: share of its outline that is in the photo with nothing before it; ``shown``: of what is drawn, 0 to 1,
     that is print above noise. What ``odds`` are of besides: ``creases`` (mean, nats a line, of few less), ``quiet``
     (0, or less where outlines beside this one differ by chance in their edges, nats) and ``length`` of it (nats).
+    ``inexact``: the root mean square by which edges are off the outline, as a share of its size.
     """
 
     edges: float
@@ -77,6 +80,7 @@ class Fit(NamedTuple):
     creases: float = 0.0
     quiet: float = 0.0
     length: float = 0.0
+    inexact: float = 0.0
 
     @property
     def score(self) -> float:
@@ -129,6 +133,12 @@ def edges_told(off: Floats, reach: int) -> Floats:
     return np.where(off < NOWHERE, np.log(((1.0 - CLUTTER) * bell + CLUTTER * even) / even), MISSED)
 
 
+def spread_of(off: Floats) -> float:
+    """Root mean square, pixels, by which the edges that are an outline's are off it; ``NEAR_IT`` where none is."""
+    near = off[np.abs(off) <= NEAR_IT]
+    return float(np.sqrt(np.mean(near**2))) if len(near) else NEAR_IT
+
+
 def fit_of(crop: Crop, paint: Paint, pose: Floats, *, whole: bool = False) -> Fit:
     """How well a pose (4, 4) fits; ``whole``: with all that its ``odds`` are of, which its ``score`` does not need."""
     drawn = paint.drawn(pose, crop.K, crop.shape)
@@ -139,10 +149,11 @@ def fit_of(crop: Crop, paint: Paint, pose: Floats, *, whole: bool = False) -> Fi
     length, reach = spans(crop)
     told = between_colours(crop, lines, length, reach)
     region = float(np.log((1.0 - LOST) * np.exp(told.here) + LOST).mean())
-    edges = float(edges_told(on_edges(crop, lines, reach), reach).mean())
+    off = on_edges(crop, lines, reach)
     fine = squares_of(crop, drawn, slack, max(5, round(crop.size / 10.0)))
     worth = 12.0 * fine.explained / (WHOLE * crop.size**2)
-    fit = Fit(edges, region, worth, fine.correlation, visible_share(lines), fine.shown)
+    edges, visible = float(edges_told(off, reach).mean()), visible_share(lines)
+    fit = Fit(edges, region, worth, fine.correlation, visible, fine.shown, inexact=spread_of(off) / crop.size)
     if not whole:
         return fit
     creases = creases_of(crop, drawn, slack)

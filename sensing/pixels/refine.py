@@ -86,20 +86,20 @@ def refined(photo: Photo, paint: Paint, pose: Floats, before: Sequence[tuple[Ray
     small, large = (crop_of(photo, paint, pose, size, before) for size in (COARSE, FINE))
     if small is None or large is None:
         return None
-    starts = starts_about(pose, paint)
-    coarse = [settled(small, paint, start, [FIRST]) for start in starts[: 1 + len(DEPTHS)]]
-    found, trust = ordered(small, paint, coarse)
-    if found[0][1] < HOPELESS[0]:
-        return _given_up(large, paint, found[0][0])
-    coarse += [settled(small, paint, start, [FIRST]) for start in starts[1 + len(DEPTHS) :]]
-    found, trust = ordered(small, paint, coarse)
-    found, trust = ordered(small, paint, [settled(small, paint, some, far(trust)) for some, _ in found[:KEPT]])
+    starts, coarse, fits = starts_about(pose, paint), list[Floats](), list[Fit]()
+    for some in (starts[: 1 + len(DEPTHS)], starts[1 + len(DEPTHS) :]):  # what is tilted last
+        new = [settled(small, paint, start, [FIRST]) for start in some]
+        coarse, fits = coarse + new, fits + fits_of(small, paint, new)
+        found, trust = ordered(coarse, fits)
+        if found[0][1] < HOPELESS[0]:
+            return _given_up(large, paint, found[0][0])
+    coarse = [settled(small, paint, some, far(trust)) for some, _ in found[:KEPT]]
+    found, trust = ordered(coarse, fits_of(small, paint, coarse))
     if found[0][1] < HOPELESS[1]:
         return _given_up(large, paint, found[0][0])
     best = different([some for some, score in found if score >= found[0][1] - CLOSE], paint)
     poses = [pose, *(settled(large, paint, some, exact(trust)) for some in best)]
-    fits = [fit_of(large, paint, some) for some in poses]
-    chosen = choice(fits)[0]
+    chosen = choice(fits_of(large, paint, poses))[0]
     return Refined(poses[chosen], fit_of(large, paint, poses[chosen], whole=True))
 
 
@@ -107,9 +107,13 @@ def _given_up(large: Crop, paint: Paint, pose: Floats) -> Refined:
     return Refined(pose, fit_of(large, paint, pose, whole=True), hopeless=True)
 
 
-def ordered(crop: Crop, paint: Paint, poses: Sequence[Floats]) -> tuple[list[tuple[Floats, float]], float]:
+def fits_of(crop: Crop, paint: Paint, poses: Sequence[Floats]) -> list[Fit]:
+    """How well each of poses (4, 4) fits."""
+    return [fit_of(crop, paint, pose) for pose in poses]
+
+
+def ordered(poses: Sequence[Floats], fits: list[Fit]) -> tuple[list[tuple[Floats, float]], float]:
     """Poses with their scores, the best-fitting first; and how far their print is trusted."""
-    fits = [fit_of(crop, paint, pose) for pose in poses]
     scores = choice(fits)[1]
     return [(poses[k], scores[k]) for k in np.argsort(-np.array(scores), kind="stable")], trusted(fits)
 

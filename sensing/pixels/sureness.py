@@ -18,10 +18,9 @@ import numpy as np
 from geometry.arrays import Floats
 from geometry.frames import transform_points
 from geometry.visibility.rays import RayMesh
-from sensing.pixels.crop import Crop, crop_of
+from sensing.pixels.crop import crop_of
 from sensing.pixels.drawn import Paint
-from sensing.pixels.energy import choice, fit_of, spans
-from sensing.pixels.lines import SLACK, on_edges, outline_of
+from sensing.pixels.energy import choice
 from sensing.pixels.photo import Photo
 from sensing.pixels.refine import (
     COARSE,
@@ -30,6 +29,7 @@ from sensing.pixels.refine import (
     different,
     exact,
     far,
+    fits_of,
     moved,
     normal,
     ordered,
@@ -42,10 +42,10 @@ RADIUS = 0.1
 INDEPENDENT = 2.0
 """What Gauss-Newton's normal matrix tells, in independent measurements: from here on the calibration error on simulated
 photos hardly falls (``python benchmarks/pose_odds.py KB DATASET``)."""
-INEXACT, NEAR_IT = 1.0, 3.0
-"""Standard deviation of the distance, in root mean squares by which edges are off the outline, as shares of its size;
-and pixels within which an edge is the outline's. Of 0, 0.5, 1, 1.5, 2 the one of the least log loss on the simulated
-photos that calibrate, and on real ones (the same script)."""
+INEXACT = 1.0
+"""Standard deviation of the distance, as a share, for the share of its size by which edges are off the outline. Of 0,
+0.5, 1, 1.5, 2 the one of the least log loss on the simulated photos that calibrate, and on real ones (the same
+script)."""
 UNLIKELY = 9.0
 """Fit, below the best, of starts that are not followed to the end: in a softmax less than 1 in 8000."""
 DRAWS, PLACES = 256, 60
@@ -55,7 +55,7 @@ DRAWS, PLACES = 256, 60
 class Alternative(NamedTuple):
     """A pose (4, 4), how well it fits, and Gauss-Newton's normal matrix there (6, 6): expected of a step, and told.
 
-    ``inexact``: by what share of its size edges are off its outline.
+    ``inexact``: as its fit's.
     """
 
     pose: Floats
@@ -84,26 +84,20 @@ def alternatives(
     small, large = (crop_of(photo, paint, pose, size, before) for size in (COARSE, FINE))
     if small is None or large is None:
         return []
-    found, trust = ordered(small, paint, [settled(small, paint, some, [FIRST]) for some in starts_about(pose, paint)])
-    coarse = [settled(small, paint, some, far(trust)) for some, _ in found]
-    found, trust = ordered(small, paint, different(coarse, paint))
+    coarse = [settled(small, paint, some, [FIRST]) for some in starts_about(pose, paint)]
+    found, trust = ordered(coarse, fits_of(small, paint, coarse))
+    coarse = different([settled(small, paint, some, far(trust)) for some, _ in found], paint)
+    found, trust = ordered(coarse, fits_of(small, paint, coarse))
     likely = [some for some, score in found if score >= found[0][1] - UNLIKELY]
     poses = different([pose, *(settled(large, paint, some, exact(trust)) for some in likely)], paint)
     known = [(some, normal(large, paint, some, exact(trust)[-1])) for some in poses]
     seen = [(some, matrices) for some, matrices in known if matrices is not None]
-    scores = choice([fit_of(large, paint, some) for some, _ in seen])[1] if seen else []
+    fits = fits_of(large, paint, [some for some, _ in seen])
+    scores = choice(fits)[1] if seen else []
     return [
-        Alternative(some, score, m[0], m[1], inexact(large, paint, some))
-        for (some, m), score in zip(seen, scores, strict=True)
+        Alternative(some, score, *matrices[:2], fit.inexact)
+        for (some, matrices), score, fit in zip(seen, scores, fits, strict=True)
     ]
-
-
-def inexact(crop: Crop, paint: Paint, pose: Floats) -> float:
-    """Root mean square by which edges are off the outline of a pose, as a share of its size."""
-    lines = outline_of(crop, paint.drawn(pose, crop.K, crop.shape), SLACK * paint.diameter)
-    off = on_edges(crop, lines, spans(crop)[1])
-    near = off[np.abs(off) <= NEAR_IT]
-    return float(np.sqrt(np.mean(near**2)) / crop.size) if len(near) else NEAR_IT / crop.size
 
 
 def share_of(

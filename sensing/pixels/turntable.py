@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from geometry.camera import Camera
-from geometry.frames import inverse, look_at, transform_points
+from geometry.frames import inverse, look_at
 from sensing.pixels.drawn import Paint
 from sensing.simulated.body import TexturedMesh
 
@@ -56,10 +56,11 @@ def turned(
 
 def _taken(paint: Paint, camera_from_body: NDArray[np.float64], pixels: float, margin: float, away: float) -> Turn:
     """The body, of a diameter of so many pixels, and the margin."""
-    vertices, f = transform_points(camera_from_body, paint.mesh.vertices), pixels * away
-    spot = vertices[:, :2] / vertices[:, 2:] * f
-    low = np.ceil(spot.min(axis=0)) - round(margin * pixels)
-    width, height = (np.floor(spot.max(axis=0)) + round(margin * pixels) - low).astype(int) + 1
+    f = pixels * away
+    box = paint.box(camera_from_body, np.diag([f, f, 1.0]))
+    assert box is not None  # noqa: S101 - the viewpoint is far away
+    low = np.ceil(box[0]) - round(margin * pixels)
+    width, height = (np.floor(box[1]) + round(margin * pixels) - low).astype(int) + 1
     K = np.array([[f, 0.0, -low[0]], [0.0, f, -low[1]], [0.0, 0.0, 1.0]])
     drawn = paint.drawn(camera_from_body, K, (int(width), int(height)))
     depth = np.where(drawn.mask, drawn.depth, FAR * away * paint.diameter).astype(np.float32)

@@ -10,6 +10,7 @@ flattered by it. A texture is looked up in a pyramid of halved copies, each samp
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import cached_property
 
 import cv2
 import numpy as np
@@ -102,7 +103,7 @@ class Cast:
 
 
 class Caster:
-    """Bodies ready to be shot at, all in the world frame; at least one."""
+    """Bodies ready to be shot at, all in the world frame; at least one. ``paints``: the texture of each."""
 
     def __init__(self, bodies: Sequence[Body]) -> None:
         """Gather the triangles of all, with their texture coordinates and the normals of their corners."""
@@ -112,10 +113,14 @@ class Caster:
         self._normals = np.concatenate([corner_normals(m) @ R.T for m, R in zip(meshes, turns, strict=True)])
         self._uv = np.concatenate([_uv(m)[m.triangles] for m in meshes])
         self._of = np.repeat(np.arange(len(bodies)), [len(m.triangles) for m in meshes])
-        self._paint = [_paint(m) for m in meshes]
-        self._texels = _texels_per_metre(self._corners, self._uv, np.array([p.size for p in self._paint])[self._of])
+        self.paints = [_paint(m) for m in meshes]
+        self._texels = _texels_per_metre(self._corners, self._uv, np.array([p.size for p in self.paints])[self._of])
         self._duals = _duals(self._corners)
-        self.mesh = RayMesh(self._corners.reshape(-1, 3), np.arange(self._corners.shape[0] * 3).reshape(-1, 3))
+
+    @cached_property
+    def mesh(self) -> RayMesh:
+        """All triangles, ready to be shot at."""
+        return RayMesh(self._corners.reshape(-1, 3), np.arange(self._corners.shape[0] * 3).reshape(-1, 3))
 
     @property
     def facets(self) -> tuple[NDArray[np.float64], ...]:
@@ -126,11 +131,6 @@ class Caster:
         across = np.cross(self._corners[:, 1] - self._corners[:, 0], self._corners[:, 2] - self._corners[:, 0])
         every = self._corners, across, self._duals, self._normals, self._uv, self._texels
         return tuple(np.ascontiguousarray(some, float) for some in every)
-
-    @property
-    def paints(self) -> list[TexturePyramid]:
-        """The texture of each body."""
-        return self._paint
 
     def cast(self, eye: NDArray[np.float64], rays: NDArray[np.float64]) -> Cast:
         """What rays (N, 3) of any length from ``eye`` (3,) meet.
@@ -154,7 +154,7 @@ class Caster:
         ``spread`` (N,): metres between neighbouring rays there; ``steepness`` (N,): cosine between ray and normal.
         """
         colours = np.zeros((len(found.body), 3), np.float32)
-        for i, paint in enumerate(self._paint):
+        for i, paint in enumerate(self.paints):
             own = np.flatnonzero(found.body == i)
             if len(own):
                 triangle = found.triangle[own]

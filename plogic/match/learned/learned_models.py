@@ -304,7 +304,7 @@ class LearnedSearch(Search):
     """The search in what is left of Γ.
 
     ``_searched``: the types searched for before, each with how many of it were accepted then; ``_seen``: the poses that
-    the whole photo suggested of them; ``_odds``: what pixels told at most of each.
+    the whole photo suggested of them; ``_odds``: what pixels told at most of each, and ``_demanded`` by that.
     """
 
     models: Mapping[str, LearnedIndex]
@@ -312,6 +312,7 @@ class LearnedSearch(Search):
     _searched: dict[str, int] = field(default_factory=dict)
     _seen: dict[str, Floats] = field(default_factory=dict)
     _odds: dict[str, float] = field(default_factory=dict)
+    _demanded: float = SEEN
 
     @cached_property
     def _voted(self) -> dict[str, Voted]:
@@ -367,14 +368,14 @@ class LearnedSearch(Search):
                 given.seen(found)
                 best = max((posed.pixels for _, posed in found if posed.pixels is not None), default=-np.inf)
                 self._odds[name] = max(best, self._odds.get(name, -np.inf))
-                yield found
                 self._searched[name] = given.count(name)
+                if len(self._odds) == len(self.models):
+                    self._demanded = demanded(np.array(list(self._odds.values())))
+                yield found
 
     def demanded(self, model: TypeModel, posed: Hypothesis) -> float:
         """Of what pixels tell so much less, the more of the types are there."""
-        if posed.pixels is None or len(self._odds) < len(self.models):
-            return model.significance(posed)
-        return demanded(np.array(list(self._odds.values())))
+        return model.significance(posed) if posed.pixels is None else self._demanded
 
 
 def bodies(models: Mapping[str, LearnedIndex], accepted: Sequence[Hypothesis]) -> Floats:

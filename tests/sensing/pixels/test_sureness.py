@@ -11,9 +11,10 @@ from painted_cube import CAMERA, CORNER, cube, picture, pose_towards
 
 from sensing.pixels.crop import crop_of
 from sensing.pixels.drawn import Paint
+from sensing.pixels.energy import fit_of
 from sensing.pixels.photo import Photo
 from sensing.pixels.refine import FINE, moved
-from sensing.pixels.sureness import Alternative, alternatives, inexact, share_of, sureness
+from sensing.pixels.sureness import Alternative, alternatives, share_of, sureness
 
 TRUE = pose_towards(CORNER, 0.60, 0.0, (0.0, 0.0))
 ITSELF = np.eye(4)[None]
@@ -83,7 +84,7 @@ def test_an_outline_that_fits_is_exact(paint, photo):
     longer = cube()
     longer = replace(longer, vertices=longer.vertices * [1.0, 1.0, 1.06])
     crop = crop_of(photo, paint, TRUE, FINE)
-    assert inexact(crop, paint, TRUE) < 0.01 < inexact(crop, Paint(longer), TRUE)
+    assert fit_of(crop, paint, TRUE).inexact < 0.01 < fit_of(crop, Paint(longer), TRUE).inexact
 
 
 def test_a_turn_that_changes_nothing_makes_no_pose_wrong(paint):
