@@ -32,10 +32,10 @@ WHOLE = 0.4
 """Share of the square over its larger side that a body covers: all of its print is that of so many pixels."""
 
 
-ODDS = -11.3, 5.7, 4.6, 36.9, 3.4
+ODDS = -11.2, 10.0, 0.4, 31.1, 5.4
 """What is told of a fit that is not there at all, by a unit of edges, of region, of print up to ``FIRM``, and of print
 beyond it, of what shows print (``python benchmarks/pixel_odds.py KB DATASET``)."""
-PLAIN = -1.1, 2.6, 3.8, 10.8, 2.2, 7.5, 3.3
+PLAIN = -1.0, 0.2, 6.2, 18.7, 0.0, 6.9, 3.4
 """The same of what is plain: of a fit that is not there at all, by a unit of edges, of region, of print up to ``FIRM``,
 of creases, of ``quiet`` and of ``length``."""
 PRINTED = 0.2, 0.5

@@ -6,9 +6,10 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from plogic.match.learned.learned_views import SEEN
 from sensing.pixels.energy import FIRM, LEAST, NO_FIT, Fit, printed
 
-ENOUGH = 5.0
+ENOUGH = SEEN
 """From which a learned type may be accepted by its pixels alone."""
 NATS, SHARES, QUIET = st.floats(-2.0, 2.0), st.floats(0.0, 1.0), st.floats(-1.5, 0.0)
 
