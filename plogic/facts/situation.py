@@ -32,6 +32,7 @@ if TYPE_CHECKING:
     from plogic.facts.document import Marks
     from plogic.facts.hypothesis import Hypothesis, PartFact
     from plogic.facts.spatial import Gravity
+    from plogic.facts.stances import Support
     from plogic.logic.served.engine import Text
 
 Reading = Literal["score", "posterior"]
@@ -136,7 +137,8 @@ class Situation:
     ``part_relations`` of a part of one and a part of another, or the whole of it. ``evidence`` is what detections say
     of relations. ``space`` says where bodies are, and ``types`` what Σo says of object types: they decide no
     probability of a world. ``gravity`` says who holds whom, which decides some (Σc); None where nobody said that it
-    holds. ``rules`` is the author's ``rules.pl``, ``own`` those of who asks, which no document holds. ``stopped`` says
+    holds. ``support`` says what things may stand on (§9.9); None where nobody said that they rest. ``rules`` is the
+    author's ``rules.pl``, ``own`` those of who asks, which no document holds. ``stopped`` says
     whether more time would have found more; it decides no probability of what was.
     """
 
@@ -153,6 +155,7 @@ class Situation:
     types: dict[str, TypeFact] = field(default_factory=dict, compare=False)
     evidence: tuple[EvidenceFact, ...] = ()
     gravity: Gravity | None = None
+    support: Support | None = None
     priors: dict[str, float] = field(default_factory=dict)
     dv: dict[str, float] = field(default_factory=dict)
     dv_over: DvOver = "types"
