@@ -47,7 +47,8 @@ def models(schema: Schema) -> Iterator[tuple[str, Schema]]:
     inside = schema.get("$defs", {})
     yield from inside.items()
     for key in schema["properties"].values():
-        yield from ((one["title"], one) for one in key.get("anyOf", ()) if "properties" in one)
+        options = (one.get("items", one) for one in key.get("anyOf", ()))
+        yield from ((one["title"], one) for one in options if "properties" in one)
 
 
 def _table(name: str, model: Schema) -> str:

@@ -2,7 +2,7 @@
 
 * ``Plane``: ``Plane(up=array([0.0, -1.0, 0.0]), offset=0.4)``, the places x with up·x + offset = 0; what rests on it is
   above
-* ``RestingFaces``: of one body, the planes that touch it from below where it stands still
+* ``RestingFaces``: of one body, the planes that touch it from below where it stands still, and how often it stands so
 
 Contacts are the closest places of two posed bodies, by a client of pybullet that the caller opens. A body is its convex
 parts where it can be cut into them exactly. What cannot (a scan, a surface that is not closed) is its hull where it is
@@ -27,6 +27,13 @@ ALIKE = 0.14
 FIRM = 0.001
 """Least way from under the middle of mass to the rim of its support, a share of the size; more would lack faces that
 bulging things lie on."""
+ROUND = 6
+"""Decimals to which two directions are one."""
+SNAP = 0.175
+"""Radians, 10 degrees, within which a stated direction means the nearest face that the body stands on."""
+EQUAL = 0.02, 2.0
+"""Two ways to stand are alike, as the sides of a can are, where the middle of mass is equally high up to this share of
+the size, and the supports' areas differ by less than this factor."""
 
 
 @dataclass(frozen=True)
@@ -58,11 +65,13 @@ class Plane:
 class RestingFaces:
     """``down`` (K, 3) unit normals, out of the body.
 
-    ``reach`` (K,) m, down·x of the face: its distance below the frame's origin.
+    ``reach`` (K,) m, down·x of the face: its distance below the frame's origin. ``weight`` (K,): P(it stands on that
+    face, given that it stands), of sum 1.
     """
 
     down: Floats
     reach: Floats
+    weight: Floats
 
     def planes(self, pose: Floats) -> tuple[Floats, Floats]:
         """``up`` (K, 3) and ``offset`` (K,) of the planes under a body at ``pose`` (4, 4), in its frame."""
@@ -73,11 +82,12 @@ class RestingFaces:
 def resting_faces(points: Floats) -> RestingFaces:
     """Of the body that is the hull of ``points`` (N, 3) m, evenly filled; the widest support first.
 
-    Points of a plane have none.
+    Points of a plane have none. Each different way to stand has the same weight; faces that are alike (``EQUAL``) are
+    one way, and share it.
     """
     from scipy.spatial import ConvexHull, QhullError
 
-    none = RestingFaces(np.zeros((0, 3)), np.zeros(0))
+    none = RestingFaces(np.zeros((0, 3)), np.zeros(0), np.zeros(0))
     if not len(points):
         return none
     size = float(np.linalg.norm(np.ptp(points, axis=0)))
@@ -93,10 +103,36 @@ def resting_faces(points: Floats) -> RestingFaces:
     supports = [_support(hull.points[hull.vertices], normal[i], reach[i], middle, grain) for i in below]
     order = sorted((i for i, (firm, _) in enumerate(supports) if firm > FIRM * size), key=lambda i: -supports[i][1])
     kept: list[int] = []
-    for i in below[order]:
-        if all(normal[i] @ normal[k] < np.cos(ALIKE) for k in kept):
-            kept.append(int(i))
-    return RestingFaces(normal[kept], (points @ normal[kept].T).max(axis=0))
+    for i in order:
+        if all(normal[below[i]] @ normal[below[k]] < np.cos(ALIKE) for k in kept):
+            kept.append(i)
+    down, area = normal[below[kept]], np.array([supports[i][1] for i in kept])
+    reach = (points @ down.T).max(axis=0)
+    return RestingFaces(down, reach, _shared((reach - down @ middle) / size, area))
+
+
+def stated_faces(points: Floats, down: Floats, weight: Floats) -> RestingFaces:
+    """Of the hull of ``points`` (N, 3) m, the faces meant by directions ``down`` (S, 3), unit; the heaviest first.
+
+    ``weight`` (S,) above 0, of any sum. Each direction means the face that ``meant`` says; where that is none, the
+    plane that touches the hull in that very direction. What means one face adds up.
+    """
+    faces = resting_faces(points)
+    which = meant(faces, down)
+    found = np.where(which[:, None] >= 0, np.concatenate([faces.down, np.zeros((1, 3))])[which], down)
+    _, first, place = np.unique(np.round(found, ROUND), axis=0, return_index=True, return_inverse=True)
+    total = np.bincount(place.ravel(), weights=weight) / weight.sum()
+    order = np.lexsort((first, -np.round(total, ROUND)))
+    kept = found[first[order]]
+    return RestingFaces(kept, (points @ kept.T).max(axis=0), total[order])
+
+
+def meant(faces: RestingFaces, down: Floats) -> Ints:
+    """(S,) the face nearest to each direction (S, 3), unit; -1 where none is within ``SNAP``."""
+    if not len(faces.down):
+        return np.full(len(down), -1)
+    near = down @ faces.down.T
+    return np.where(near.max(axis=1) >= np.cos(SNAP), near.argmax(axis=1), -1)
 
 
 def along_plane(normal: Floats) -> Floats:
@@ -104,6 +140,18 @@ def along_plane(normal: Floats) -> Floats:
     first = np.cross(normal, np.eye(3)[np.abs(normal).argmin()])
     first /= np.linalg.norm(first)
     return np.stack([first, np.cross(normal, first)], axis=1)
+
+
+def _shared(height: Floats, area: Floats) -> Floats:
+    """(K,) weights of faces: see ``EQUAL``.
+
+    By the ``height`` (K,) of the middle of mass, a share of the size, and the ``area`` (K,).
+    """
+    from scipy.sparse.csgraph import connected_components
+
+    level = np.abs(height[:, None] - height) < EQUAL[0]
+    kinds, kind = connected_components(level & (np.abs(np.log(area[:, None] / area)) < np.log(EQUAL[1])))
+    return np.asarray(1.0 / (kinds * np.bincount(kind)[kind]))
 
 
 def _middle_of_mass(corners: Floats, inside: Floats) -> Floats:

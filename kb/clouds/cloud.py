@@ -5,6 +5,7 @@ Vocabulary, each with an example value:
 * ``Lobe``, from where an appearance is seen: ``Lobe(axis=(0, 0, 1), half_angle=1.7, r_min=0.2, r_max=30.0)``
 * ``FeatureAppearance``, one way that a feature looks: ``FeatureAppearance("arrow_junction", lobe)``
 * ``Feature``: ``Feature("roof/apex", "apex", at=(0, 0, 3), ...)``
+* ``Stand``, how a type stands, as its author says: ``Stand(down=(0, 0, -1), weight=0.8)``
 * ``ObjectType``: ``ObjectType("t2", tree, features, ...)``, the tree being a ``networkx.DiGraph`` with frames on its
   edges
 * ``KnowledgeBase``: ``KnowledgeBase("towers", types=(t1, t2), ...)``
@@ -16,12 +17,14 @@ from dataclasses import dataclass, field
 from functools import cached_property
 from itertools import accumulate
 from pathlib import Path
+from typing import NamedTuple
 
 import networkx as nx
 import numpy as np
 from numpy.typing import NDArray
 
 from geometry.arrays import lengths
+from geometry.bodies.resting import RestingFaces, resting_faces, stated_faces
 from kb.clouds.learned import LearnedCloud
 from kb.clouds.lobes import Feature, LobeTable, freeze, lobe_table, object_nodes
 from kb.clouds.words import Words
@@ -38,6 +41,13 @@ SAME_PLACE = 1e-3
 to three or four digits."""
 
 
+class Stand(NamedTuple):
+    """``down`` (3,), unit, object frame: the direction that is below; ``weight`` above 0, of any sum."""
+
+    down: tuple[float, ...]
+    weight: float = 1.0
+
+
 @dataclass(frozen=True, eq=False)
 class ObjectType:
     """One type of maximal object (D3).
@@ -49,7 +59,7 @@ class ObjectType:
     of it. ``learned``: the cloud of a type whose features were learned; ``learned_features`` are then the same in the
         same
     order, but their appearances are ``learned_lobes``. Those that make up a compound are its parts, and no maximal
-    features.
+    features. ``stands``: how its author says that it stands; empty where it never does, None where nothing is said.
     """
 
     name: str
@@ -64,6 +74,7 @@ class ObjectType:
     learned: LearnedCloud | None = None
     learned_lobes: LobeTable | None = None
     learned_features: tuple[Feature, ...] | None = None
+    stands: tuple[Stand, ...] | None = None
 
     def __post_init__(self) -> None:
         freeze(self, symmetries=(-1, 4, 4))
@@ -77,6 +88,20 @@ class ObjectType:
         if self.learned_features is None and any(feature.parts for feature in self.features):
             return tuple(feature for feature in self.all_features if not feature.parts)
         return self.features if self.learned_features is None else self.learned_features
+
+    @cached_property
+    def resting(self) -> RestingFaces:
+        """The faces that it stands on, with weights: as its author says, or as its surface can; none without one.
+
+        What its author says of a face holds of those that symmetries take it to: they share the weight.
+        """
+        points = np.zeros((0, 3)) if self.surface is None else self.surface.vertices
+        if self.stands is None or not len(points):
+            return resting_faces(points)
+        turns = self.symmetries[:, :3, :3]
+        down = np.array([turns @ stand.down for stand in self.stands]).reshape(-1, 3)
+        weight = np.repeat([stand.weight for stand in self.stands], len(turns)) / len(turns)
+        return stated_faces(points, down, weight) if len(down) else resting_faces(points[:0])
 
     @cached_property
     def whole(self) -> NDArray[np.intp]:

@@ -11,7 +11,16 @@ from typing import TypeVar
 import numpy as np
 
 from geometry.files.plain_files import IS_FOLDER, IS_MISSING, fault_of, is_there
-from kb.clouds.cloud import UNKNOWN_SUPPORT, Counts, KnowledgeBase, ObjectType, Rates, clutter_prior, word_clutter
+from kb.clouds.cloud import (
+    UNKNOWN_SUPPORT,
+    Counts,
+    KnowledgeBase,
+    ObjectType,
+    Rates,
+    Stand,
+    clutter_prior,
+    word_clutter,
+)
 from kb.clouds.learned import MAX_BYTES, LearnedCloud, read_cloud
 from kb.clouds.lobes import Feature, LobeTable, build_tree, features_of, object_nodes, tree_mistakes
 from kb.clouds.words import MAX_BYTES as MAX_WORDS
@@ -247,8 +256,11 @@ def _object(place: Folder, path: Path) -> _Object | None:
         motions(model.symmetries if model is not None else ())
     except ValueError as error:
         wrong.append(document.mistake(("symmetries",), str(error)))
-    place.mistakes += wrong
     mesh = document.data.get("mesh")
+    if model is not None and model.stands and mesh is None:
+        why = "a type without a mesh stands on nothing: add mesh, or leave stands out"
+        wrong.append(document.mistake(("stands",), why, key=True))
+    place.mistakes += wrong
     units = mesh.get("units") if isinstance(mesh, dict) else None
     scale = LENGTHS.get(units, 1.0) if isinstance(units, str) else 1.0
     mesh_file, surface = _surface(place, document, path.parent, scale)
@@ -312,6 +324,7 @@ def _type(model: ObjectModel, item: _Object, words: Words | None) -> ObjectType:
         learned=item.learned,
         learned_lobes=lobes,
         learned_features=seen if item.learned is not None else None,
+        stands=None if model.stands is None else tuple(Stand(one.down, one.weight) for one in model.stands),
     )
 
 

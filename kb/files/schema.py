@@ -149,6 +149,30 @@ class SymmetryModel(Model):
         return self
 
 
+class StandModel(Model):
+    """One way in which the type stands."""
+
+    down: Direction = Field(description="What is below, object frame; within 10 deg of a face that it can stand on.")
+    weight: Positive = Field(1.0, description="How often it stands so, against the others: the sum is free.")
+
+
+def _stands(value: object) -> object:
+    if value == "never":
+        return []
+    if isinstance(value, list) and value:
+        return value
+    raise ValueError(f"must be never, or a list of one or more ways to stand, not {value!r:.60}")
+
+
+Stands = Annotated[
+    list[StandModel] | None,
+    BeforeValidator(_stands),
+    WithJsonSchema(
+        {"anyOf": [{"enum": ["never"]}, {"type": "array", "minItems": 1, "items": StandModel.model_json_schema()}]}
+    ),
+]
+
+
 class ObjectModel(Model):
     """``object.yaml``: one type of maximal object (D3)."""
 
@@ -156,6 +180,10 @@ class ObjectModel(Model):
     mesh: MeshModel | None = Field(None, description="Its surface. A type without one hides nothing.")
     opaque: Flag = Field(default=True, description="Whether it hides what is behind it.")
     symmetries: list[SymmetryModel] = Field([], description="Motions of its frame that change nothing.")
+    stands: Stands = Field(
+        None,
+        description="How it stands, or never (it hangs, or is held); left out, on any face that its mesh can stand on.",
+    )
     parts: list[PartModel] = Field([], description="Its parts; or else features (A1).")
     features: list[FeatureModel] = Field([], description="Its features, if it has no parts.")
     cloud: FileModel | None = Field(

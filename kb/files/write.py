@@ -34,6 +34,9 @@ def object_text(kind: ObjectType, mesh: str | None = None, units: str = "m") -> 
     lines = [f"object: {flow(kind.name)}"]
     lines += [f"mesh: {{file: {flow(mesh)}, units: {units}}}"] if mesh else []
     lines += [f"opaque: {flow(kind.opaque)}", f"symmetries: {flow(symmetry_entries(kind.symmetries))}"]
+    if kind.stands is not None:
+        rows = [{"down": stand.down, "weight": stand.weight} for stand in kind.stands]
+        lines.append(f"stands: {flow(rows or 'never')}")
     return "\n".join([*lines, *_list_lines(kind.tree, "", "")]) + "\n"
 
 

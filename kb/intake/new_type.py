@@ -18,6 +18,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from geometry.bodies.resting import resting_faces
 from kb.errors import IntakeError
 from kb.files.schema import json_schema
 from kb.files.values import LENGTHS
@@ -145,7 +146,8 @@ def new_type(name: str, source: Source, units: str | None, origin: Path, symmetr
     files, paint = painted_files(source, scale)
     turns = [] if symmetries else turns_of(mended.surface)
     parts = [str(piece) for piece in pieces_of(mended.surface)]
-    text = _object_text(name, origin.name, units or "m", list(symmetries), turns, parts, textured=bool(files))
+    lines = [*_stand_lines(mended.surface), *_symmetry_lines(list(symmetries), turns)]
+    text = _object_text(name, origin.name, units or "m", lines, parts, textured=bool(files))
     files = {"object.yaml": text.encode(), "mesh.ply": ply_bytes(mended.surface)} | files
     large = [name for name, data in files.items() if len(data) > MAX_FILE_BYTES]
     if large:
@@ -160,22 +162,39 @@ def new_type(name: str, source: Source, units: str | None, origin: Path, symmetr
     return NewType(name, files, document, tuple(_lines(document, mended)), notes)
 
 
-def _object_text(
-    name: str, origin: str, units: str, known: list[str], turns: list[Turn], parts: list[str], *, textured: bool
-) -> str:
+def _symmetry_lines(known: list[str], turns: list[Turn]) -> list[str]:
+    if known:
+        return ["symmetries:", *(f"  - {entry}" for entry in known)]
+    if not turns:
+        return []
+    why = "# The shape alone has these symmetries. Most textures break them; where yours does not, uncomment those that hold:"
+    return [why, "# symmetries:", *(f"#   - {turn}" for turn in turns)]
+
+
+MOST_STANDS = 6
+"""Ways to stand that are proposed: those on the widest faces."""
+
+
+def _stand_lines(surface: Surface) -> list[str]:
+    faces = resting_faces(surface.vertices)
+    rows = [
+        f"#   - {{down: {flow(down)}, weight: {weight:.3g}}}"
+        for down, weight in zip(np.round(faces.down, 3).tolist(), faces.weight.tolist(), strict=True)
+    ]
+    why = (
+        "# It can stand so, and each way counts the same; where one is likelier, uncomment. What hangs: 'stands: never'"
+    )
+    more = f", the widest {MOST_STANDS} of {len(rows)} faces" if len(rows) > MOST_STANDS else ""
+    return [f"{why}{more}.", "# stands:", *rows[:MOST_STANDS]] if rows else []
+
+
+def _object_text(name: str, origin: str, units: str, known: list[str], parts: list[str], *, textured: bool) -> str:
     paint, plain = ", textured: textured.obj" if textured else "", re.sub(r"[^\x20-\x7e]", "?", origin)
     lines = [
         f"# Made from {plain}, in {units}; its frame is kept, its unit is the metre.",
         f"object: {flow(name)}",
     ]
-    lines += [f"mesh: {{file: mesh.ply, units: m{paint}}}"]
-    if known:
-        lines += ["symmetries:", *(f"  - {entry}" for entry in known)]
-    elif turns:
-        lines += [
-            "# The shape alone has these symmetries. Most textures break them; where yours does not, uncomment those that hold:"
-        ]
-        lines += ["# symmetries:", *(f"#   - {turn}" for turn in turns)]
+    lines += [f"mesh: {{file: mesh.ply, units: m{paint}}}", *known]
     if parts:
         lines += [
             "parts:  # the mesh's pieces; rename them. Their features: by hand, or from the mesh: plogic kb learn"

@@ -9,6 +9,7 @@ from typing import Any
 import networkx as nx
 import numpy as np
 
+from geometry.bodies.resting import meant, resting_faces
 from geometry.frames import transform_points
 from kb.clouds.cloud import KnowledgeBase, ObjectType
 from kb.clouds.lobes import Feature, Lobe, object_nodes
@@ -76,9 +77,21 @@ def _type_notes(kind: ObjectType) -> Iterator[str]:
     for feature in kind.features if kind.learned is None else ():
         if not feature.appearances:
             yield f"{feature.name} has no appearance, so it is never expected"
+    yield from _unsteady(kind)
     for index, moved in enumerate(_moved(kind)):
         if moved > CLOSE:
             yield f"symmetry {index} moves the mesh's vertices by up to {moved:.0%} of its size"
+
+
+def _unsteady(kind: ObjectType) -> Iterator[str]:
+    """Stated ways to stand in which the mesh does not rest."""
+    if kind.surface is None or not kind.stands:
+        return
+    faces, down = resting_faces(kind.surface.vertices), np.array([stand.down for stand in kind.stands])
+    for index in np.flatnonzero(meant(faces, down) < 0):
+        nearest = np.degrees(np.arccos(np.clip((down[index] @ faces.down.T).max(initial=-1.0), -1.0, 1.0)))
+        near = f"the nearest face that it can is {nearest:.0f} deg off" if len(faces.down) else "it has no volume"
+        yield f"stands.{index}: its mesh cannot stand on {_row(down[index])}: {near}; it is taken as what touches a plane there"
 
 
 def _moved(kind: ObjectType) -> list[float]:
@@ -101,7 +114,33 @@ def tree_text(kb: KnowledgeBase) -> str:
     for kind in kb.types:
         lines += _tree_lines(kind, "", kind.name, "")
         lines += [f"  {line}" for line in learned_summary(kind).lines] if kind.learned is not None else []
+        lines += _stand_lines(kind)
     return "\n".join(lines) + "\n"
+
+
+MOST_STANDS = 6
+"""Ways to stand that are told to people."""
+
+
+def stand_rows(kind: ObjectType) -> list[dict[str, Any]]:
+    """``[{"down": [0, 0, -1], "reach": 0.1, "weight": 0.8}]``: the faces that it stands on, the likeliest first; m."""
+    faces = kind.resting
+    order = np.argsort(-np.round(faces.weight, 9), kind="stable")
+    return [
+        {"down": faces.down[k].tolist(), "reach": float(faces.reach[k]), "weight": float(faces.weight[k])}
+        for k in order
+    ]
+
+
+def _stand_lines(kind: ObjectType) -> Iterator[str]:
+    if kind.surface is None:
+        return
+    rows = stand_rows(kind)
+    shown = [f"{_row(row['down'])} {row['weight']:.3g}" for row in rows[:MOST_STANDS]]
+    rest = rows[MOST_STANDS:]
+    shown += [f"{len(rest)} more {sum(row['weight'] for row in rest):.3g}"] if rest else []
+    said = "as its mesh can" if kind.stands is None else "as object.yaml says"
+    yield f"  stands {said}, on {_count(len(rows), 'face')}{': ' if rows else ''}{', '.join(shown)}"
 
 
 def _tree_lines(kind: ObjectType, node: str, label: str, indent: str) -> Iterator[str]:
@@ -216,6 +255,7 @@ def _type_document(kind: ObjectType) -> dict[str, Any]:
         "opaque": kind.opaque,
         "symmetries": np.asarray(kind.symmetries).tolist(),
         "surface": {"facets": len(surface.triangles), "volume": surface.volume} if surface else None,
+        "stands": stand_rows(kind),
         "features": feature_counts(kind),
         "learnt": asdict(learned_summary(kind)) if kind.learned is not None else None,
         "nodes": nodes,

@@ -15,7 +15,7 @@ from typing import ClassVar, Self, TypeVar
 import numpy as np
 
 from geometry.arrays import Floats, Indices, Mask
-from geometry.bodies.resting import RestingFaces, resting_faces
+from geometry.bodies.resting import RestingFaces
 from geometry.poses.refine import USUAL, Steps
 from kb.clouds.cloud import KnowledgeBase, ObjectType, Rates
 from plogic.facts.hypothesis import Hypothesis
@@ -63,10 +63,10 @@ class TypeIndex:
         """(3,) m, the middle of the features, object frame."""
         return self.cells.centre
 
-    @cached_property
+    @property
     def resting(self) -> RestingFaces:
-        """None: how a hand-modelled type stands is not asked."""
-        return resting_faces(np.zeros((0, 3)))
+        """The faces that it stands on."""
+        return self.object_type.resting
 
     @cached_property
     def turns(self) -> Floats:

@@ -112,7 +112,7 @@ class TypeModel(Protocol):
 
     @property
     def resting(self) -> RestingFaces:
-        """The faces that it is known to stand on."""
+        """The faces that it stands on, with weights."""
         ...
 
     def ranks(self, here: Counter[str], by_chance: Counter[str]) -> Ranks:

@@ -16,7 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from geometry.arrays import Floats, Indices, Mask
-from geometry.bodies.resting import Plane, RestingFaces, resting_faces
+from geometry.bodies.resting import Plane, RestingFaces
 from kb.clouds.cloud import KnowledgeBase, ObjectType
 from kb.clouds.learned import LearnedCloud
 from kb.clouds.words import POINT, SIDE
@@ -113,11 +113,10 @@ class LearnedIndex:
         surface, points = self.object_type.surface, self.points
         return np.asarray((points.min(axis=0) + points.max(axis=0)) / 2.0 if surface is None else surface.centre, float)
 
-    @cached_property
+    @property
     def resting(self) -> RestingFaces:
-        """The faces that it can stand on; a type without a surface has none."""
-        surface = self.object_type.surface
-        return resting_faces(surface.vertices if surface is not None else np.zeros((0, 3)))
+        """The faces that it stands on."""
+        return self.object_type.resting
 
     @cached_property
     def inner_radius(self) -> float:

@@ -120,6 +120,20 @@ def test_the_proposed_symmetries_are_comments_that_can_be_uncommented(tmp_path, 
     assert "note: brick" not in good("kb", "check", folder)
 
 
+def test_the_ways_to_stand_are_comments_that_can_be_uncommented(tmp_path, folder):
+    good("kb", "add", "brick", "--mesh", write_box(tmp_path / "b.obj", (1, 2, 4)), "--units", "dm", "--kb", folder)
+    path = folder / "objects/brick/object.yaml"
+    text = path.read_text()
+    assert text.count("#   - {down: ") == 6
+    path.write_text(
+        text.replace("# stands:", "stands:").replace(
+            "#   - {down: [0, 0, -1], weight: 0.167}", "  - {down: [0, 0, -1]}"
+        )
+    )
+    (brick,) = read_kb(folder).types
+    assert brick.resting.down.tolist() == [[0, 0, -1]]
+
+
 def test_without_a_texture_it_is_said_what_can_still_be_detected(tmp_path, folder):
     text = good("kb", "add", "plain", "--mesh", write_box(tmp_path / "b.obj"), "--units", "cm", "--kb", folder)
     assert "texture: none; what can still be detected: junctions" in text

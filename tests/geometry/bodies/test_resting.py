@@ -6,7 +6,7 @@ from geometry_bodies import CAMERA, box, prism, random_rotations, wedge
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from geometry.bodies.resting import Plane, resting_faces
+from geometry.bodies.resting import Plane, meant, resting_faces, stated_faces
 from geometry.errors import GeometryError
 from geometry.frames import from_rotation_translation, pose_error, transform_points
 from geometry.poses.refine import Steps, refine_poses, refined_poses
@@ -31,6 +31,43 @@ def test_a_brick_stands_on_six_sides_the_largest_first():
     assert faces.down.shape == (6, 3)
     np.testing.assert_allclose(np.abs(faces.down), np.eye(3)[[2, 2, 1, 1, 0, 0]], atol=1e-9)
     np.testing.assert_allclose(sorted(faces.reach), [0.0, 0.05, 0.05, 0.06, 0.1, 0.1], atol=1e-9)
+
+
+def test_each_way_to_stand_weighs_the_same_and_sides_of_a_can_are_one_way():
+    np.testing.assert_allclose(resting_faces(BODIES["brick"]).weight, np.full(6, 1 / 6))
+    around = np.linspace(0.0, 2.0 * np.pi, 33)[:-1]
+    can = np.concatenate([np.c_[0.03 * np.cos(around), 0.03 * np.sin(around), np.full(32, z)] for z in (0.0, 0.1)])
+    faces = resting_faces(can)
+    upright = np.abs(faces.down[:, 2]) > 0.9
+    assert len(faces.down) > 10
+    np.testing.assert_allclose(faces.weight[upright], [0.25, 0.25])
+    np.testing.assert_allclose(faces.weight[~upright], 0.5 / (~upright).sum())
+
+
+@settings(max_examples=25, deadline=None, derandomize=True)
+@given(st.sampled_from(sorted(BODIES)), seeds)
+def test_weights_sum_to_one_and_stated_ones_are_of_faces(name, seed):
+    """However the author's directions lie; what is no face touches the hull all the same."""
+    rng = np.random.default_rng(seed)
+    points, weight = BODIES[name] * rng.uniform(0.3, 1.0, 3), rng.uniform(0.1, 5.0, 4)
+    down = rng.normal(size=(4, 3))
+    down /= np.linalg.norm(down, axis=1, keepdims=True)
+    free, stated = resting_faces(points), stated_faces(points, down, weight)
+    assert free.weight.sum() == pytest.approx(1.0)
+    assert stated.weight.sum() == pytest.approx(1.0)
+    np.testing.assert_allclose(stated.reach, (points @ stated.down.T).max(axis=0))
+    which = meant(free, down)
+    for row, face in zip(down, which, strict=True):
+        wanted = row if face < 0 else free.down[face]
+        assert (np.abs(stated.down - wanted).max(axis=1) < 1e-6).sum() == 1
+
+
+def test_a_stated_direction_means_the_face_near_it():
+    faces = stated_faces(
+        BODIES["brick"], np.array([[0.0, 0.1, -0.995], [0.0, 0.0, -1.0], [0.6, 0.8, 0.0]]), np.arange(1.0, 4.0)
+    )
+    np.testing.assert_allclose(faces.down, [[0.0, 0.0, -1.0], [0.6, 0.8, 0.0]], atol=1e-9)
+    np.testing.assert_allclose(faces.weight, [0.5, 0.5])
 
 
 def test_what_would_topple_is_no_face_to_stand_on():

@@ -93,12 +93,12 @@ def test_the_report_has_two_lines_a_learned_type_and_no_notes(kb):
 
 
 def test_the_tree_and_the_measures_are_short(folder, kb):
-    assert len(tree_text(kb).splitlines()) == 6
+    assert len(tree_text(kb).splitlines()) == 8
     text, words = measures_command(str(folder), None, as_json=False), kb.words.names
     assert f" visual words of {len(words)}" in text
     assert not any(name in text for name in words)
     assert len(text.splitlines()) < 8
-    assert len(show_command(str(folder), as_json=False).splitlines()) < 18
+    assert len(show_command(str(folder), as_json=False).splitlines()) < 20
 
 
 def test_documents_hold_everything(folder, kb):

@@ -48,6 +48,8 @@ def test_the_tree_as_text(small):
         "    feature pair: corner at [0, 0, 0]\n"
         "      feature left: corner at [1, 0, 0], looks like corner\n"
         "  object body at [0, 0, 0]\n"
+        "  stands as its mesh can, on 4 faces: "
+        "[0, 0, -1] 0.5, [-0.8944, 0, 0.4472] 0.167, [0.45, -0.7714, 0.45] 0.167, [0.45, 0.7714, 0.45] 0.167\n"
     )
 
 
