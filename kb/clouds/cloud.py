@@ -211,7 +211,8 @@ class KnowledgeBase:
 
     ``words``: the visual words of learned clouds; their names are among ``appearance_types``. ``gravity``: whether
     things rest on what is below; then ``unknown_support`` is the chance that something unknown holds what floats, and
-    ``ground`` the ground's height, world z in m, None where it is not told.
+    ``ground`` the ground's height, world z in m, None where it is not told. ``maybe``: they may rest, on planes that
+    nobody knows, and what floats is no less probable for that.
     """
 
     name: str
@@ -224,6 +225,7 @@ class KnowledgeBase:
     folder: Path | None = None
     words: Words | None = None
     gravity: bool = False
+    maybe: bool = False
     unknown_support: float = UNKNOWN_SUPPORT
     ground: float | None = None
 
@@ -236,6 +238,11 @@ class KnowledgeBase:
         used = {name for kind in self.types for name in kind.lobes.types}
         used.update(self.words.names if self.words is not None else ())
         return tuple(name for name in self.appearance_types if name in used)
+
+    @property
+    def rests(self) -> float | None:
+        """Chance that a thing rests on another, on a plane or on the ground; None where nobody said that they do."""
+        return 1.0 - self.unknown_support if self.gravity or self.maybe else None
 
     def type(self, name: str) -> ObjectType:
         """The type of a name; raises KeyError."""

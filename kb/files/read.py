@@ -342,8 +342,9 @@ def _knowledge_base(
         digest=place.digest(),
         folder=place.root,
         words=words,
-        gravity=gravity is not None,
-        unknown_support=UNKNOWN_SUPPORT if gravity is None else gravity.unknown_support,
+        gravity=gravity is not None and gravity.certain,
+        maybe=gravity is not None and not gravity.certain,
+        unknown_support=UNKNOWN_SUPPORT if gravity is None else gravity.floats,
         ground=None if gravity is None else gravity.ground,
     )
 

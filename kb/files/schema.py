@@ -3,7 +3,8 @@
 Vocabulary: ``KBModel(name="towers", ...)``, ``ObjectModel(object="t1", ...)``. Unknown keys are mistakes.
 """
 
-from typing import Annotated, Any, Literal, Self
+import math
+from typing import Annotated, Any, ClassVar, Literal, Self
 
 from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, WithJsonSchema, model_validator
 
@@ -17,6 +18,7 @@ from kb.files.values import (
     HalfAngle,
     Length,
     Name,
+    Odds,
     Pair,
     Place,
     Positive,
@@ -216,26 +218,60 @@ class DetectorModel(Model):
 class GravityModel(Model):
     """That things rest, and what is not known of it."""
 
+    certain: ClassVar[bool] = True
+    """Whether worlds in which something floats are less probable."""
+    rests: Odds = Field(
+        1.0 - UNKNOWN_SUPPORT, description="Chance that a thing rests on another, a plane or the ground."
+    )
     unknown_support: Chance = Field(
-        UNKNOWN_SUPPORT, description="Chance that something unknown holds what floats; 1: nothing is made of it."
+        UNKNOWN_SUPPORT,
+        description="1 - rests: chance that something unknown holds what floats; 1: nothing is made of it.",
     )
     ground: Length | None = Field(
         None, description="The ground's height, world z; left out, it is where the lowest object of a world stands."
     )
 
+    @model_validator(mode="after")
+    def _said_once(self) -> Self:
+        both = {"rests", "unknown_support"} <= self.model_fields_set
+        if both and not math.isclose(self.rests + self.unknown_support, 1.0, abs_tol=1e-9):
+            raise ValueError(
+                f"unknown_support is 1 - rests: {self.unknown_support:g} and {self.rests:g} contradict each other; say one of them"
+            )
+        return self
+
+    @property
+    def floats(self) -> float:
+        """Chance that something unknown holds what floats, whichever way it is said."""
+        told = "rests" in self.model_fields_set and "unknown_support" not in self.model_fields_set
+        return round(1.0 - self.rests, DIGITS) if told else self.unknown_support
+
+
+DIGITS = 12
+"""Decimals to which 1 - rests is taken: 0.9 leaves 0.1."""
+MAYBE = "maybe"
+
+
+class _Maybe(GravityModel):
+    """``gravity: maybe``: things rest, it is likely, on planes that nobody knows."""
+
+    certain: ClassVar[bool] = False
+
 
 def _gravity(value: object) -> object:
-    if isinstance(value, bool):
-        return {} if value else None
+    if value == MAYBE:
+        return _Maybe.model_validate({})
     if isinstance(value, dict):
         return value
-    raise ValueError(f"must be true, false, or a mapping of keys to values, not {value!r:.60}")
+    if isinstance(value, bool):
+        return {} if value else None
+    raise ValueError(f"must be true, false, maybe, or a mapping of keys to values, not {value!r:.60}")
 
 
 Gravity = Annotated[
     GravityModel | None,
     BeforeValidator(_gravity),
-    WithJsonSchema({"anyOf": [{"type": "boolean"}, GravityModel.model_json_schema()]}),
+    WithJsonSchema({"anyOf": [{"type": "boolean"}, {"enum": [MAYBE]}, GravityModel.model_json_schema()]}),
 ]
 
 
@@ -268,7 +304,8 @@ class KBModel(Model):
     gravity: Gravity = Field(
         default=False,
         validate_default=True,
-        description="Whether things rest: what floats is less probable, and what is not found yet is looked for on the plane that others stand on.",
+        description="Whether things rest: what floats is less probable, and what is not found yet is looked for on the plane that others stand on. "
+        "`maybe`: it is likely that they do, on planes nobody knows.",
     )
     words: FileModel | None = Field(
         None, description="The visual words that learned clouds are made of (`plogic kb learn`)."

@@ -211,6 +211,11 @@ Share = Annotated[
 Chance = Annotated[
     float, _number_that(lambda x: 0 < x <= 1, "above 0 and at most 1"), WithJsonSchema({**_OPEN, "maximum": 1})
 ]
+Odds = Annotated[
+    float,
+    _number_that(lambda x: 0 <= x < 1, "at least 0 and below 1"),
+    WithJsonSchema({"type": "number", "minimum": 0, "exclusiveMaximum": 1}),
+]
 Length = Annotated[float, BeforeValidator(length), _shape("a length", "75 cm")]
 PositiveLength = Annotated[float, BeforeValidator(_wide), _shape("a length above 0", "3 cm")]
 Positive = Annotated[float, _number_that(lambda x: x > 0, "above 0"), WithJsonSchema(_OPEN)]

@@ -316,11 +316,10 @@ detector:
   match_tolerance: 4.0
 # Chance that an object is there, per object type (0.5 where nothing stands here), such as {{mug: 0.2}}.
 priors: {{}}
-# Whether things rest, as on a table: then what floats is less probable, and what is not found yet is looked for on the
-# plane that others
-# stand on. Instead of true, {{unknown_support: 0.1, ground: 0 m}}: the chance that something unknown holds what floats,
-# the ground's height.
-gravity: false
+# Whether things rest, as on a table. maybe: nine in ten do, on planes that nobody knows. true: then what floats is less
+# probable too, and what is not found yet is looked for on the plane that others stand on. Instead of true, {{rests: 0.9,
+# ground: 0 m}}: the chance that a thing rests on another, a plane or the ground, and the ground's height. Or false.
+gravity: maybe
 """
 
 RULES = """\

@@ -229,7 +229,8 @@ def tree_document(kb: KnowledgeBase) -> dict[str, Any]:
         "name": kb.name,
         "digest": kb.digest,
         "f_ref": kb.f_ref,
-        "gravity": kb.gravity,
+        "gravity": "maybe" if kb.maybe else kb.gravity,
+        "rests": kb.rests,
         **({"unknown_support": kb.unknown_support, "ground": kb.ground} if kb.gravity else {}),
         "appearance_types": list(kb.appearance_types),
         "detector": {

@@ -17,7 +17,7 @@ def kb_text(kb):
         "name": kb.name,
         "appearance_types": list(kb.appearance_types),
         "f_ref": kb.f_ref,
-    } | ({"gravity": _gravity(kb)} if kb.gravity else {})
+    } | ({"gravity": _gravity(kb)} if kb.rests is not None else {})
     lines = [f"{key}: {flow(value)}" for key, value in rows.items()]
     lines += ["detector:", f"  hit: {flow(rates.hit)}", f"  clutter: {flow(rates.clutter)}"]
     lines += [
@@ -31,6 +31,8 @@ def kb_text(kb):
 
 
 def _gravity(kb):
+    if kb.maybe:
+        return "maybe"
     if kb.unknown_support == UNKNOWN_SUPPORT and kb.ground is None:
         return True
     return {"unknown_support": kb.unknown_support} | ({} if kb.ground is None else {"ground": kb.ground})

@@ -8,6 +8,7 @@ from kb.clouds.cloud import UNKNOWN_SUPPORT
 from kb.errors import KBErrors
 from kb.files.read import read_kb
 from kb.files.schema import json_schema
+from kb.intake.new_type import new_kb_files
 from kb.shown.show import tree_document
 
 
@@ -38,8 +39,60 @@ def test_what_is_not_known_of_support_and_the_ground_may_be_said(tmp_path):
     assert "gravity: true\n" in kb_text(plain)
 
 
+def told(folder, gravity):
+    return read_kb(write_small(folder, kb=KB + f"gravity: {gravity}\n"))
+
+
 @pytest.mark.parametrize(
-    "text", ["9.81", "down", "[]", "{unknown_support: 0}", "{unknown_support: 1.1}", "{floor: 0}", "{ground: 0 kg}"]
+    ("text", "rests"),
+    [
+        ("false", None),
+        ("true", 0.9),
+        ("{ground: 0}", 0.9),
+        ("{rests: 0.75}", 0.75),
+        ("{unknown_support: 0.25}", 0.75),
+        ("maybe", 0.9),
+        ("{rests: 0.8, unknown_support: 0.2}", 0.8),
+        ("{rests: 0}", 0.0),
+    ],
+)
+def test_the_chance_that_things_rest_is_one_less_the_unknown_support(text, rests, tmp_path):
+    kb = told(tmp_path, text)
+    assert kb.rests == pytest.approx(rests)
+    assert rests is None or kb.unknown_support == pytest.approx(1.0 - rests)
+    assert kb.gravity is (text not in ("false", "maybe"))
+    assert tree_document(kb)["rests"] == kb.rests
+
+
+def test_maybe_is_read_and_written_and_is_what_new_ones_say(tmp_path):
+    kb = told(tmp_path / "a", "maybe")
+    assert tree_document(kb)["gravity"] == "maybe"
+    write_kb(kb, tmp_path / "b")
+    assert read_kb(tmp_path / "b").maybe
+    assert b"\ngravity: maybe\n" in new_kb_files("mine")["kb.yaml"]
+
+
+def test_what_contradicts_itself_is_a_mistake(tmp_path):
+    with pytest.raises(
+        KBErrors, match=r"kb\.yaml:10:10: gravity: unknown_support is 1 - rests: 0\.2 and 0\.9 contradict"
+    ):
+        told(tmp_path, "{rests: 0.9, unknown_support: 0.2}")
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        "{rests: 1}",
+        "{rests: -0.1}",
+        "Maybe",
+        "9.81",
+        "down",
+        "[]",
+        "{unknown_support: 0}",
+        "{unknown_support: 1.1}",
+        "{floor: 0}",
+        "{ground: 0 kg}",
+    ],
 )
 def test_anything_else_is_a_mistake(text, tmp_path):
     with pytest.raises(KBErrors, match="gravity"):
