@@ -7,16 +7,18 @@ from collections.abc import Iterable, Iterator
 from geometry.errors import Keys, Mistake
 from geometry.visibility.roc import ROC20, coarse
 from plogic.base.errors import SituationError
+from plogic.base.walk import by_key
 from plogic.facts.hypothesis import FeatureFact, Hypothesis
 from plogic.facts.pixel_table import MOST_BEFORE, PixelTable
 from plogic.facts.situation import EvidenceFact, PairFact, Situation
 from plogic.facts.spatial import GROUND, Gravity, Space
+from plogic.facts.stances import FREE, NONE, Stance, Support
 
 Ids = frozenset[str]
 SUMS = 1e-6
 """By so much a sum of written probabilities may be off 1."""
-MOST_PIXELS = 600.0
-"""Log-odds of pixels that can be told, either way: e to that power is a number yet."""
+MOST_TOLD = 600.0
+"""Log-odds of pixels, or of a stance, that can be told, either way: e to that power is a number yet."""
 
 
 def check(situation: Situation) -> None:
@@ -38,6 +40,8 @@ def faults(situation: Situation) -> Iterator[Mistake]:
     yield from _at(("space",), _of_space(situation.space, ids))
     if situation.gravity is not None:
         yield from _at(("gravity",), _of_gravity(situation.gravity, ids))
+    if situation.support is not None:
+        yield from _at(("support_planes",), _of_support(situation.support, ids))
     for a in situation.appearances:
         yield from _at(("appearances", a.id), _number(f"appearance {a.id}: clutter", a.clutter, 0.0, math.inf))
     for h in situation.hypotheses:
@@ -92,6 +96,58 @@ def _of_gravity(gravity: Gravity, ids: Ids) -> Iterator[str]:
     yield from (f"gravity: {x!r} rests on itself" for x, y in gravity.rests if x == y)
 
 
+def _of_support(support: Support, ids: Ids) -> Iterator[str]:
+    """Planes and ways to stand that are known, chances that sum to at most 1, and no ring of hypotheses."""
+    planes = [plane.name for plane in support.planes]
+    taken = ids | {GROUND, FREE, NONE}
+    yield from _twice("support: plane", planes)
+    yield from (f"support: {name!r} is no name of a plane" for name in planes if name in taken or not name)
+    yield from (f"support: hypothesis {name!r} has the name of a stance" for name in sorted(ids & {FREE, NONE}))
+    yield from _number("support: rests", support.rests, 0.0, 1.0)
+    yield from _numbers((("support: none", support.none), *_priors(support)), 0.0, 1.0)
+    if sum((support.none, *(plane.prior for plane in support.planes))) > 1.0 + SUMS:
+        yield "support: priors of planes, with none, sum to more than 1"
+    for plane in support.planes:
+        place = f"support: {plane.name}"
+        numbers = [*plane.normal, plane.offset, *(x for row in plane.covariance for x in row)]
+        yield from _numbers(((place, x) for x in numbers), -math.inf, math.inf)
+        if not abs(math.hypot(*plane.normal) - 1.0) <= SUMS:
+            yield f"{place}: normal is {math.hypot(*plane.normal)!r} long, not 1"
+    yield from _of_stances(support, ids, frozenset(planes))
+
+
+def _priors(support: Support) -> Iterator[tuple[str, float]]:
+    return ((f"support: prior of {plane.name}", plane.prior) for plane in support.planes)
+
+
+def _of_stances(support: Support, ids: Ids, planes: Ids) -> Iterator[str]:
+    yield from _unknown("support: stance", dict.fromkeys(s.hypothesis for s in support.stances), ids)
+    yield from _unknown("support: stance on", dict.fromkeys(s.on for s in support.stances), ids | planes)
+    ways = [f"of {s.hypothesis} on {s.on}, face {s.face}" for s in support.stances]
+    yield from _twice("support: stance", ways)
+    for way, s in zip(ways, support.stances, strict=True):
+        yield from _number(f"support: chance {way}", s.chance, 0.0, 1.0)
+        yield from _number(f"support: log_ratio {way}", s.log_ratio, -MOST_TOLD, MOST_TOLD)
+        if s.face < 0:
+            yield f"support: stance {way}: face is below 0"
+    for name, mine in by_key((s.hypothesis, s) for s in support.stances).items():
+        on_others = sum(s.chance for s in mine if s.on in ids)
+        on_planes = by_key((s.on, s.chance) for s in mine if s.on in planes)
+        most = on_others + max((sum(some) for some in on_planes.values()), default=0.0)
+        if most > support.rests + SUMS:
+            yield f"support: chances of {name} sum to {most!r}, which is more than rests, {support.rests!r}"
+    yield from _rings([s for s in support.stances if s.on in ids])
+
+
+def _rings(stances: list[Stance]) -> Iterator[str]:
+    """Who stands on what stands on it, over any number of others."""
+    below = by_key((s.hypothesis, s.on) for s in stances)
+    while lowest := {on for some in below.values() for on in some} - below.keys():
+        below = {name: left for name, some in below.items() if (left := [on for on in some if on not in lowest])}
+    if below:
+        yield f"support: of {', '.join(sorted(below))} some stand on what stands on them"
+
+
 def _of_relation(fact: PairFact, ids: Ids, nodes: dict[str, Ids]) -> Iterator[str]:
     """A part of a hypothesis that is there; and the case of ROC-20 belongs to the coarse relation."""
     yield from _unknown(f"relation {fact.relation}", (fact.x, fact.y), ids)
@@ -138,7 +194,7 @@ def _of_pixels(place: str, table: PixelTable, others: Ids) -> Iterator[str]:
     if any(math.isnan(odds) for odds in table.odds):
         yield f"{place}: should tell every set of those before it, {MOST_BEFORE} at most, once"
     else:
-        yield from _numbers(((place, odds) for odds in table.odds), -MOST_PIXELS, MOST_PIXELS)
+        yield from _numbers(((place, odds) for odds in table.odds), -MOST_TOLD, MOST_TOLD)
 
 
 def _of_feature(place: str, f: FeatureFact, ids: Ids, data: Ids) -> Iterator[str]:

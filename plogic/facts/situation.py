@@ -256,5 +256,7 @@ def _labels(situation: Situation) -> Iterator[tuple[str, str]]:
         yield from ((label, "n") for label in table)
     for pair in (*situation.relations, *situation.part_relations):
         yield from ((label, "n") for label in (pair.relation, *both_ways(pair)))
+    if situation.support is not None:
+        yield from ((plane.name, "n") for plane in situation.support.planes)
     if situation.evidence:
         yield from ((label, "n") for label in (*ROC20, *COARSE))

@@ -9,7 +9,14 @@ Vocabulary, each with an example value:
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable
+
+FREE, NONE = "free", "none"
+"""In facts and queries, the stance of what rests on nothing known, and that nothing says where things stand."""
 
 Row = tuple[float, float, float]
 """Three numbers: a vector, or a row of a 3×3 matrix."""
@@ -59,3 +66,10 @@ class Support:
     none: float
     planes: tuple[SupportPlane, ...]
     stances: tuple[Stance, ...]
+
+    def among(self, kept: Iterable[str]) -> Support:
+        """What it says of these hypotheses alone."""
+        known = frozenset(kept)
+        there = known | {plane.name for plane in self.planes}
+        stances = tuple(s for s in self.stances if s.hypothesis in known and s.on in there)
+        return replace(self, stances=stances)

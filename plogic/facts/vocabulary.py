@@ -75,9 +75,9 @@ SPACE: tuple[Entry, ...] = (
         2,
         "X is above Y, touches it, and is held up by Y, or by Y and one other present object",
         "on(X, Y)",
-        "on(X, Y) :- stands_on(X, Y), present(X), present(Y).\n"
-        "on(X, Y) :- stands_on_both(X, Y, Z), present(X), present(Y), present(Z).\n"
-        "on(X, Y) :- stands_on_both(X, Z, Y), present(X), present(Y), present(Z).",
+        "on(X, Y) :- body_on(X, Y), present(X), present(Y).\n"
+        "on(X, Y) :- body_on_both(X, Y, Z), present(X), present(Y), present(Z).\n"
+        "on(X, Y) :- body_on_both(X, Z, Y), present(X), present(Y), present(Z).",
     ),
     Entry(
         "in_view_of_camera",
@@ -94,22 +94,56 @@ SPACE: tuple[Entry, ...] = (
         "partly_in_view_of_camera(X) :- cut_by_image(X), present(X).",
     ),
     Entry(
+        "support_plane",
+        1,
+        "S is the plane that things rest on; where nobody said that they rest, of nothing",
+        "support_plane(S)",
+        "support_plane(S) :- support(S), S \\= none.",
+    ),
+    Entry(
+        "stance",
+        3,
+        "the present H has its stable pose Face on On, which is a plane, or a hypothesis (present in the posterior reading), or `free`",
+        "stance(H, On, Face)",
+        "",
+    ),
+    Entry(
+        "stands_on",
+        2,
+        "the present H stands on the plane S, in one of its stable poses",
+        "stands_on(H, S)",
+        "stands_on(H, S) :- stance(H, S, _), support_plane(S).",
+    ),
+    Entry(
         "rests_on",
         2,
-        "X touches Y from above, Y being another hypothesis or `ground`; where gravity is not said to hold, or up is unknown, of nothing",
+        "X touches Y from above, or stands on it in one of its stable poses, Y being another hypothesis or `ground`, which is the plane "
+        "too; where gravity is not said to hold, or up is unknown, and nobody said that things rest, of nothing",
         "rests_on(X, Y)",
-        "rests_on(X, Y) :- body_rests(X, Y), Y \\= ground, present(X), present(Y).\n"
-        "rests_on(X, ground) :- body_rests(X, ground), present(X).\n"
-        "rests_on(X, ground) :- open_foot(X, _, _), present(X), \\+ higher_up(X).\n"
+        "rests_on(X, Y) :- body_rests_on(X, Y).\n"
+        "rests_on(X, Y) :- stance(X, Y, _), present(X), present(Y).\n"
+        "rests_on(X, ground) :- stands_on(X, _).\n"
+        "body_rests_on(X, Y) :- body_rests(X, Y), Y \\= ground, present(X), present(Y).\n"
+        "body_rests_on(X, ground) :- body_rests(X, ground), present(X).\n"
+        "body_rests_on(X, ground) :- open_foot(X, _, _), present(X), \\+ higher_up(X).\n"
         "higher_up(X) :- open_foot(X, A, _), open_foot(Y, _, B), B < A, present(Y).",
     ),
-    Entry("held", 1, "X rests on something present, or on the ground", "held(X)", "held(X) :- rests_on(X, _)."),
+    Entry(
+        "held", 1, "X rests on something present, on a plane, or on the ground", "held(X)", "held(X) :- rests_on(X, _)."
+    ),
     Entry(
         "floats",
         1,
         "gravity is said to hold, and nothing holds X",
         "floats(X)",
         "floats(X) :- weighs(X), present(X), \\+ held(X).",
+    ),
+    Entry(
+        "free",
+        1,
+        "things are said to rest, and the present H stands on nothing that is known",
+        "free(H)",
+        "free(H) :- stance(H, free, _).\nfree(H) :- stance(H, X, _), hypothesis(X, _), \\+ present(X).",
     ),
 )
 

@@ -37,7 +37,7 @@ def log_weights(situation):
         logs = _score(scene, present) if score else _posterior(scene, present)
     for x, y in situation.overlaps | (situation.exclusive if score else frozenset()):
         logs[present[x] & present[y]] = -np.inf
-    return logs + _floating(situation.gravity, present)
+    return logs + _floating(situation.gravity, present) + (0.0 if score else _resting(situation.support, present))
 
 
 def _floating(gravity, present):
@@ -55,6 +55,23 @@ def _floating(gravity, present):
         grounded = np.bool_("ground" in holders) if gravity.ground is not None else ~lower
         count = count + (present[name] & ~held & ~grounded)
     return np.log(gravity.unknown_support) * count
+
+
+def _resting(support, present):
+    """Of each state of the image its prior times, of each that is there, being free and its ways to stand (§9.9)."""
+    if support is None:
+        return 0.0
+    prior = {plane.name: plane.prior for plane in support.planes}
+    total = np.full(len(next(iter(present.values()))), support.none)
+    for state, p in [*prior.items(), ("elsewhere", max(0.0, 1.0 - support.none - sum(prior.values())))]:
+        weight = p
+        for name, there in present.items():
+            ways = [s for s in support.stances if s.hypothesis == name and (s.on == state or s.on in present)]
+            stands = [s.chance * np.exp(s.log_ratio) * present.get(s.on, 1.0) for s in ways]
+            weight = weight * np.where(there, 1.0 - support.rests + sum(stands), 1.0)
+        total = total + weight
+    with np.errstate(divide="ignore"):
+        return np.log(total)
 
 
 def _score(scene, present):

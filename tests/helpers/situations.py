@@ -12,6 +12,7 @@ from plogic.facts.hypothesis import FeatureFact, Hypothesis
 from plogic.facts.pixel_table import PixelTable
 from plogic.facts.situation import AppearanceFact, PairFact, Situation, pair_facts
 from plogic.facts.spatial import Foot, Gravity
+from plogic.facts.stances import Stance, Support, SupportPlane
 
 POSE = ((1.0, 0.0, 0.0, 0.0), (0.0, 1.0, 0.0, 0.0), (0.0, 0.0, 1.0, 5.0), (0.0, 0.0, 0.0, 1.0))
 INSTANCES = {"apex": 1, "corner": 16, "other": 95}
@@ -185,3 +186,38 @@ def with_pixels(subject, seed, most=2):
         return PixelTable(tuple(before), odds) if rng.random() < 0.8 else None
 
     return replace(subject, hypotheses=tuple(h.told(pixel_table=table(h)) for h in subject.hypotheses))
+
+
+LEVEL = (0.0, -1.0, 0.0)
+TIGHT = ((1e-4, 0.0, 0.0), (0.0, 1e-4, 0.0), (0.0, 0.0, 1e-4))
+
+
+def plane(name, prior, **changes):
+    """A level plane half a metre below the camera."""
+    return replace(SupportPlane(name, LEVEL, -0.5, TIGHT, prior), **changes)
+
+
+def shares(rng, count):
+    """So many shares of 1, and at times 0 of what is left."""
+    weights = [rng.choice([0.0, 0.05, 0.3, 1.0]) for _ in range(count)] + [rng.choice([0.0, 0.1, 0.5])]
+    return [w / (sum(weights) or 1.0) for w in weights[:count]]
+
+
+def with_support(subject, seed, most=4):
+    """Planes, up to ``most``, and ways to stand on them and on each other, drawn; some priors and chances are 0."""
+    rng = Random(seed)  # noqa: S311 - a test's
+    *priors, none = shares(rng, rng.randint(0, most) + 1)
+    planes = tuple(plane(f"s{i}", prior) for i, prior in enumerate(priors, 1))
+    rests = rng.choice([0.0, 0.3, 0.9, 0.95, 1.0])
+    ids = [h.id for h in subject.hypotheses]
+    order = rng.sample(ids, len(ids))
+    stances = []
+    for i, name in enumerate(order):
+        below = [(x, rng.randint(0, 2)) for x in order[:i] if rng.random() < 0.4]
+        here = {p.name: [(p.name, face) for face in range(rng.randint(0, 2))] for p in planes if rng.random() < 0.7}
+        for ways in (below, *here.values()):  # at most half of the chances on others, half on any plane
+            stances += [
+                Stance(name, on, face, 0.5 * rests * share, rng.choice([0.0, rng.uniform(-9.0, 6.0), -40.0]))
+                for (on, face), share in zip(ways, shares(rng, len(ways)), strict=True)
+            ]
+    return replace(subject, support=Support(rests, none, planes, tuple(stances)))

@@ -1,8 +1,9 @@
 """The part of a situation that a goal is about: the hypotheses that it names, and all that hang together with them.
 
 Hypotheses hang together if one can hide a feature of the other or some of its pixels, if they share an appearance, are
-rivals, exclude each other, compete for one instance or carry something together. Worlds are products over such parts,
-so that probabilities and explanations of a goal about one part are those of the part alone.
+rivals, exclude each other, compete for one instance, carry something together, or stand on what the image has one
+choice of. Worlds are products over such parts, so that probabilities and explanations of a goal about one part are
+those of the part alone.
 """
 
 from collections.abc import Iterator, Sequence
@@ -11,6 +12,7 @@ from typing import Any
 
 from plogic.facts.situation import Situation
 from plogic.facts.spatial import linked
+from plogic.facts.stances import Support
 from plogic.facts.vocabulary import VOCABULARY
 from plogic.logic.safety.author import load_problog, observes
 from plogic.scene.text.program_text import added_to
@@ -95,14 +97,23 @@ def _together(situation: Situation, named: set[str]) -> set[str]:
     links.add_edges_from((x, other) for x, *others in situation.space.on_both for other in others)  # y may hang on z
     links.add_edges_from(() if situation.gravity is None else linked(situation.gravity))
     links.add_edges_from(pair for fact in situation.evidence for pair in fact.pairs)
+    links.add_edges_from(() if situation.support is None else _standing(situation.support))
     for h in situation.hypotheses:
         links.add_edge(h.id, f"group {h.group}")
+        if situation.support is not None and situation.reading == "posterior":
+            links.add_edge(h.id, "support")  # one choice of a plane, which all speak of
         links.add_edges_from((h.id, other) for f in h.features for other in f.hidden_by)
         if h.pixel_table is not None and situation.reading == "posterior":
             links.add_edges_from((h.id, other) for other in h.pixel_table.occluders)
         links.add_edges_from((h.id, f"datum {f.match}") for f in h.features if f.match is not None)
     start = {name if name in ids else f"datum {name}" for name in named}
     return set().union(*[part for part in nx.connected_components(links) if not start.isdisjoint(part)]) & ids
+
+
+def _standing(support: Support) -> Iterator[tuple[str, str]]:
+    """Who may stand on whom."""
+    planes = {plane.name for plane in support.planes}
+    return ((s.hypothesis, s.on) for s in support.stances if s.on not in planes)
 
 
 def _part(situation: Situation, kept: set[str], named: set[str]) -> Situation:
@@ -130,6 +141,7 @@ def restricted(situation: Situation, kept: set[str]) -> Situation:
         relations=tuple(r for r in situation.relations if kept.issuperset((r.x, r.y))),
         space=situation.space.among(kept),
         gravity=None if situation.gravity is None else situation.gravity.among(kept),
+        support=None if situation.support is None else situation.support.among(kept),
         part_relations=tuple(r for r in situation.part_relations if kept.issuperset((r.x, r.y))),
         evidence=tuple(fact.among(frozenset(kept)) for fact in situation.evidence),
     )

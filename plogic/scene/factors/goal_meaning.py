@@ -47,13 +47,14 @@ from plogic.scene.text.rules import (
     fallbacks,
     vocabulary_rules,
 )
+from plogic.scene.text.support_layer import open_choices, support_facts
 
 if TYPE_CHECKING:
     from plogic.scene.factors.scene_graph import SceneGraph
 
 Key = int | None
 
-OUTSIDE = ("hit/2", "pick/2", "luck/2", "ev_holds/2", "joint/3", "agrees/1", "excused/1", "drawn/1", "pixels_fit/3")
+OUTSIDE = ("hit/2", "pick/2", "luck/2", "ev_holds/2", "joint/3", "agrees/1", "excused/1", "drawn/1", "told_fits/3")
 """Choices that the factor graph has summed out, and what is said in terms of them."""
 LOOKING = (
     *(f"subquery/{n}" for n in (2, 3, 5)), *(f"subquery_in_scope/{n}" for n in (3, 4, 6)), "possible/1", "clause/2", "clause/3",
@@ -86,9 +87,11 @@ def _lines(w: Writer) -> Iterator[str]:
     yield from object_types(w)
     yield from measures(w)
     yield from facts.geometry(w)
+    yield from support_facts(w)
     yield from cell_facts(w)
     yield from (*evidence_facts(w), *evidence_choices(w), *evidence_rules(w))
     yield from ("0.5::" + w.fact("present", h.id) for h in situation.hypotheses)
+    yield from open_choices(w)
     yield from _score(w) if score else _posterior(w)
     yield from (f"{s.split('/')[0]}({', '.join('_' * int(s[-1]))}) :- fail." for s in OUTSIDE)
     yield from fallbacks(situation.reading)
@@ -145,6 +148,16 @@ class Meaning:
         """Those whose cause is spoken of."""
         return frozenset(arguments[0][0] for kind, arguments in self.nodes if kind == "chosen")
 
+    @property
+    def stances(self) -> frozenset[str]:
+        """Those whose stance is spoken of."""
+        return frozenset(arguments[0][0] for kind, arguments in self.nodes if kind == "stance")
+
+    @property
+    def planes(self) -> bool:
+        """Whether it is spoken of what things stand on."""
+        return any(kind in ("support", "stance") for kind, _ in self.nodes)
+
     def formulas(self, keys: Iterable[Key], scene: "SceneGraph") -> list[Formula]:
         """The formulas of the keys, which share their parts; nodes come before those that use them."""
         made: list[Formula] = []
@@ -164,14 +177,16 @@ class Meaning:
 
 
 def _literal(kind: str, arguments: list[Any], scene: "SceneGraph") -> Formula:
-    """``present(h1)``, ``chosen(a1, h1/roof/apex)``, or a choice of the author's."""
+    """``present(h1)``, ``chosen(a1, h1/roof/apex)``, ``support(s1)``, ``stance(h1, s1, 2)``, or the author's."""
     if kind in ("present", "choice"):
         variable, state = (
             scene.place[arguments[0][0]] if kind == "present" else scene.choices[arguments[0], arguments[1]]
         )
         return Literal(variable, frozenset({state}))
-    cause = scene.causes[arguments[0][0]]
-    return Literal(cause.variable, frozenset({cause.states.index(tuple(arguments[1]))}))
+    name, *rest = (label for argument in arguments for label in argument)
+    if kind == "support" and scene.support is not None:
+        return scene.support.literal(name)
+    return (scene.stances if kind == "stance" else scene.causes)[name].literal(*rest)
 
 
 def meaning(

@@ -20,6 +20,7 @@ from plogic.scene.factors.weight_tables import (
     IMPOSSIBLE,
     LONGEST_LIST,
     Cast,
+    Choice,
     Literal,
     Table,
     Tables,
@@ -176,17 +177,7 @@ def _large(tables: Tables, datum: Datum, scope: Scope) -> Table:
         return np.asarray(np.log((datum.noise * none + one) * datum.scale))
 
 
-class Cause(NamedTuple):
-    """The variable of an appearance's cause, and what its states say.
-
-    ``(("noise",), ("h1", "roof/apex"), ...)``, in the order of Δh.
-    """
-
-    variable: int
-    states: tuple[tuple[str, ...], ...]
-
-
-def add_posterior(tables: Tables, cast: Cast, explicit: Collection[str] = ()) -> dict[str, Cause]:
+def add_posterior(tables: Tables, cast: Cast, explicit: Collection[str] = ()) -> dict[str, Choice]:
     """All of it.
 
     Appearances in ``explicit`` (and those with too many claimants) get a variable of their cause, returned by
@@ -196,13 +187,13 @@ def add_posterior(tables: Tables, cast: Cast, explicit: Collection[str] = ()) ->
     _add_pixels(tables, cast)
     claimed = _add_features(tables, cast)
     clutter = {a.id: a.clutter for a in cast.situation.appearances}
-    causes: dict[str, Cause] = {}
+    causes: dict[str, Choice] = {}
     for name, claims in claimed.items():
         datum = datum_of(claims, clutter[name])
         scope = scope_of(claims)
         cards = tables.shape(scope)
         if name in explicit or (len(claims) > 1 and too_wide(cards)):
-            causes[name] = Cause(_add_cause(tables, datum), (("noise",), *(claim.name for claim in claims)))
+            causes[name] = Choice(_add_cause(tables, datum), (("noise",), *(claim.name for claim in claims)))
         else:
             add_datum(tables, datum, scope, cards)
     return causes

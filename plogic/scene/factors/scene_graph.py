@@ -20,9 +20,10 @@ from plogic.facts.spatial import GROUND, Foot, Gravity
 from plogic.inference.gates import And, Formula, Not, Or, observed, with_formulas
 from plogic.inference.graph import FactorGraph
 from plogic.scene.factors.goal_meaning import Meaning, standing
-from plogic.scene.factors.posterior_factors import Cause, add_posterior
+from plogic.scene.factors.posterior_factors import add_posterior
 from plogic.scene.factors.score_factors import add_score
-from plogic.scene.factors.weight_tables import Alternative, Cast, Literal, Tables, cast_of, logs_of
+from plogic.scene.factors.support_factors import add_support
+from plogic.scene.factors.weight_tables import Alternative, Cast, Choice, Literal, Tables, cast_of, logs_of
 
 MOST_HOLDERS = 6
 """Variables of holders that one factor looks at; of more, one auxiliary variable says whether any holds."""
@@ -93,16 +94,18 @@ class SceneGraph:
     ``causes["a3"]``: the cause of an appearance, as a variable, if one was asked for, or that has very many claimants.
     ``decided``: auxiliary variables of which each has one possible state in a world. ``choices``: the (variable, state)
     of each choice of the author's that is spoken of. ``spoken``: whether the causes are variables since something
-    speaks of them.
+    speaks of them. ``support``: what things stand on, where that matters, and ``stances`` those that are spoken of.
     """
 
     graph: FactorGraph
     variables: tuple[Alternative, ...]
     place: dict[str, tuple[int, int]]
-    causes: dict[str, Cause]
+    causes: dict[str, Choice]
     decided: frozenset[int] = frozenset()
     choices: dict[tuple[str, int], tuple[int, int]] = field(default_factory=dict)
     spoken: bool = False
+    support: Choice | None = None
+    stances: dict[str, Choice] = field(default_factory=dict)
 
     @property
     def auxiliary(self) -> tuple[int, ...]:
@@ -124,7 +127,7 @@ def scene_graph(situation: Situation, *, explicit: Collection[str] = (), spoken:
     explicit = frozenset(explicit).union(*(meant.appearances for meant in spoken))
     cast = cast_of(situation)
     tables = Tables([len(v.states) for v in cast.variables])
-    causes: dict[str, Cause] = {}
+    causes: dict[str, Choice] = {}
     pairs = situation.overlaps  # A4: the two are never present together
     if situation.reading == "posterior":
         causes = add_posterior(tables, cast, explicit)
@@ -133,8 +136,10 @@ def scene_graph(situation: Situation, *, explicit: Collection[str] = (), spoken:
         pairs |= situation.exclusive  # an appearance serves one feature
     tables.forbid([(cast.place[x], cast.place[y]) for x, y in pairs])
     decided = add_floating(tables, cast)
+    stances = frozenset[str]().union(*(meant.stances for meant in spoken))
+    support = add_support(tables, cast, stances, planes=any(meant.planes for meant in spoken))
     choices = _add_choices(tables, spoken)
-    scene = SceneGraph(tables.graph(), cast.variables, cast.place, causes, decided, choices, bool(explicit))
+    scene = SceneGraph(tables.graph(), cast.variables, cast.place, causes, decided, choices, bool(explicit), *support)
     return _held(scene, [formula for meant in spoken for formula in meant.formulas(meant.given, scene)])
 
 

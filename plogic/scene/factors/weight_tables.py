@@ -13,18 +13,33 @@ import functools
 import math
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
-from typing import TypeAlias
+from typing import NamedTuple, TypeAlias
 
 import numpy as np
 
 from geometry.arrays import Floats
 from plogic.facts.hypothesis import FeatureFact, Hypothesis
 from plogic.facts.situation import Situation
+from plogic.inference import gates
 from plogic.inference.gates import Formula, observed, with_formulas
 from plogic.inference.graph import Factor, FactorGraph
 
 Literal: TypeAlias = tuple[int, tuple[int, ...]]
 """A variable, and the states of which it is in one."""
+
+
+class Choice(NamedTuple):
+    """The variable of a choice beside presence, and what its states say.
+
+    Of an appearance's cause ``(("noise",), ("h1", "roof/apex"), ...)``, in the order of Δh.
+    """
+
+    variable: int
+    states: tuple[tuple[str, ...], ...]
+
+    def literal(self, *said: str) -> gates.Literal:
+        """The variable is in the state that says it."""
+        return gates.Literal(self.variable, frozenset({self.states.index(said)}))
 
 
 @dataclass(frozen=True)

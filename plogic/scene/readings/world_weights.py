@@ -180,11 +180,14 @@ def causes_of(scene: Scene, appearance: str) -> Shares:
 def log_scale(scene: Scene) -> float:
     """Ln of what the program text weighs less than densities do (posterior).
 
-    Alternatives of causes are normalised, and pixels are told over the greatest that they could say.
+    Alternatives of causes are normalised, and pixels and stances are told over the greatest that they could say.
     """
     if scene.situation.reading == "score":
         return 0.0
     most = [max(0.0, *h.pixel_table.odds) for h in scene.situation.hypotheses if h.pixel_table is not None]
+    stances = () if scene.situation.support is None else scene.situation.support.stances
+    ratios = by_key((stance.hypothesis, stance.log_ratio) for stance in stances)
+    most += [max(0.0, *mine) for mine in ratios.values()]
     return math.fsum([*most, *(math.log(causes_of(scene, appearance).scale) for appearance in scene.claimants)])
 
 

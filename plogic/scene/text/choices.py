@@ -11,6 +11,7 @@ from collections.abc import Iterable, Iterator
 from plogic.base.bounds import LEAST, bounded
 from plogic.base.walk import by_key
 from plogic.facts.hypothesis import Hypothesis
+from plogic.scene.readings.standing import Standing
 from plogic.scene.readings.world_weights import DEFAULT_PRIOR, lifted_smoothing, unmatched
 from plogic.scene.text.layout import Writer, disjunction, number, possible_causes
 from plogic.scene.text.measures import contexts, key_of
@@ -111,9 +112,9 @@ def _posterior(w: Writer) -> Iterator[str]:
         heads = possible_causes(w, appearance)
         nothing = f"% {w.names.atom(appearance)}: every density is 0: nothing can cause it."
         yield disjunction(heads) if heads else nothing
-    if any(h.pixel_table is not None for h in w.scene.situation.hypotheses):
-        yield "% The pixels are as likely as they tell, over the most that they could tell, in N steps that ProbLog can read."
-        yield "P::pixels_fit(H, C, K) :- pixels_told(H, C, L), pixels_most(H, M), pixel_steps(H, N), between(1, N, K), P is exp((L - M) / N)."
+    if w.scene.situation.support is not None or any(h.pixel_table is not None for h in w.scene.situation.hypotheses):
+        yield "% A case is as likely as evidence tells, over the most that is told of any, in N steps that ProbLog can read."
+        yield "P::told_fits(E, C, K) :- told(E, C, L), told_most(E, M), told_steps(E, N), between(1, N, K), P is exp((L - M) / N)."
 
 
 def pixel_facts(w: Writer) -> Iterator[str]:
@@ -153,3 +154,6 @@ def evidence_of_data(w: Writer) -> Iterator[str]:
         yield from (f"evidence(\\+ missed({w.feature(h, f)}))." for f in unmatched(h))
     told = (h.id for h in w.scene.situation.hypotheses if h.pixel_table is not None)
     yield from (f"evidence(drawn_right({w.names.atom(name)}))." for name in told)
+    if w.scene.situation.support is not None:
+        posed = Standing(w.scene.situation, w.scene.situation.support).posed
+        yield from (f"evidence(stands_right({w.names.atom(name)}))." for name in posed)

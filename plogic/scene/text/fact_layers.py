@@ -89,8 +89,8 @@ def whereabouts(w: Writer) -> Iterator[str]:
     if space.up is not None:
         yield f"up_direction({', '.join(coordinate(x) for x in space.up)}). % from: {space.up_from}"
     yield from (w.fact("body_over", *pair) for pair in space.above)
-    yield from (w.fact("stands_on", *pair) for pair in space.on)
-    yield from (w.fact("stands_on_both", *three) for three in space.on_both)
+    yield from (w.fact("body_on", *pair) for pair in space.on)
+    yield from (w.fact("body_on_both", *three) for three in space.on_both)
     yield from (f"% overlap({w.atoms(s.x, s.y)}): {words_of_shared(s)}" for s in space.shared)
     yield from holds(w)
 

@@ -24,6 +24,7 @@ from plogic.scene.text.layout import Writer, number, title
 from plogic.scene.text.measures import cell_facts, measures
 from plogic.scene.text.object_types import label_comments, object_types
 from plogic.scene.text.rules import defined, fallbacks, rules, vocabulary_rules
+from plogic.scene.text.support_layer import support_choices, support_facts
 
 
 def program_text(situation: Situation) -> str:
@@ -98,9 +99,11 @@ def _told(w: Writer) -> Iterator[str]:
     yield from measures(w)
     yield from [f"smoothing({number(lifted_smoothing(w.scene))})."] if is_score else (*rates(w), *pixel_facts(w))
     yield from facts.geometry(w)
+    yield from support_facts(w)
     yield from cell_facts(w)
     yield from evidence_facts(w)
     yield from ("", title(3, "The choices"))
     yield from choices(w)
     yield from facts.excuses(w)
+    yield from support_choices(w)
     yield from evidence_choices(w)

@@ -16,8 +16,8 @@ FACTS = (
     "hypothesis/2", "instance/2", "hypotheses/1", "hypotheses_of/2", "in_image/2", "in_lobe/2", "self_hidden/2",
     "behind_surface/3", "match/3", "preferred/3", "datum/2", "overlap/2", "rival_pair/2", "exclusive/2", "outline_relation/3",
     "outline_roc/3", "part_relation/3", "part_roc/3", "at/4", "distance/2", "body_middle/4", "body_nearest/2", "up_direction/3", "inside_image/1",
-    "cut_by_image/1", "body_gap/3", "body_over/2", "stands_on/2", "stands_on_both/3", "weighs/1", "open_foot/3", "body_rests/2", "dv/2",
-    "rank/2", "occluders/2", "cells/3", "drawn/1", "said_roc/4", "said_relation/4", "stands/1",
+    "cut_by_image/1", "body_gap/3", "body_over/2", "body_on/2", "body_on_both/3", "weighs/1", "open_foot/3", "body_rests/2", "dv/2",
+    "rank/2", "occluders/2", "cells/3", "drawn/1", "said_roc/4", "said_relation/4", "stands/1", "support/1", "stance/3",
 )  # fmt: skip
 """Predicates of facts, and of choices, of which an image may have none; those of one reading alone are in ``ONLY``."""
 ONLY = {
@@ -25,10 +25,12 @@ ONLY = {
     "posterior": ("present/1", "prior/2", "hit_rate/2", "own_rate/3", "hit/2", "chosen/2"),
 }
 
-PHOTO = "pixel_occluders/2", "pixels/3", "pixels_fit/3"
-"""Predicates of facts, and of a choice, of programs in which a photo's pixels are told."""
+SOME = (
+    "pixel_occluders/2", "pixels/3", "told_fits/3", "rests_chance/1", "plane/5", "plane_prior/2", "way_to_stand/5",
+)  # fmt: skip
+"""Predicates of facts, and of a choice, of programs in which a photo's pixels, or supports, are told."""
 LONGEST = 15.0
-"""Log-odds that one choice of pixels tells: e to less than -18 is below ``LEAST``."""
+"""Log-odds that one choice tells: e to less than -18 is below ``LEAST``."""
 
 OBJECT_TYPES = r"""
 % What is said of a hypothesis follows from its type (§2).
@@ -202,21 +204,45 @@ explained(A) :- chosen(A, noise), \+ any_hit(A).
 missed(H, F) :- present(H), in_view(H, F), hit(H, F).
 """
 
+TOLD = r"""
+% What evidence tells of a case, in log-odds L, makes it e^L as likely, over the most that is told of any, in N steps.
+fits_told(E, C) :- told_steps(E, N), fits_in_steps(E, C, N).
+fits_in_steps(_, _, 0).
+fits_in_steps(E, C, N) :- N > 0, told_fits(E, C, N), M is N - 1, fits_in_steps(E, C, M).
+told_most(E, L) :- told(E, _, L), \+ told_beyond(E, L).
+told_beyond(E, L) :- told(E, _, M), M > L.
+told_least(E, L) :- told(E, _, L), \+ told_below(E, L).
+told_below(E, L) :- told(E, _, M), M < L.
+told_steps(E, N) :- told_most(E, M), told_least(E, L), N is max(1, ceiling((M - L) / LONGEST)).
+""".replace("LONGEST", repr(LONGEST))
+
 PIXELS = r"""
 % §9.10: a hypothesis, present in a context or absent, is as likely as its pixels are: e^L, where it is absent 1.
-drawn_right(H) :- pixels_case(H, C), pixel_steps(H, N), pixels_fit_all(H, C, N).
+drawn_right(H) :- pixels_case(H, C), fits_told(pixels(H), C).
 pixels_case(H, absent) :- pixel_occluders(H, _), \+ present(H).
 pixels_case(H, C) :- pixel_occluders(H, Gs), present(H), those_present(Gs, C).
-pixels_fit_all(_, _, 0).
-pixels_fit_all(H, C, N) :- N > 0, pixels_fit(H, C, N), M is N - 1, pixels_fit_all(H, C, M).
-pixels_told(H, absent, 0.0) :- pixel_occluders(H, _).
-pixels_told(H, C, L) :- pixels(H, C, L).
-pixels_most(H, L) :- pixels_told(H, _, L), \+ pixels_beyond(H, L).
-pixels_beyond(H, L) :- pixels_told(H, _, M), M > L.
-pixels_least(H, L) :- pixels_told(H, _, L), \+ pixels_below(H, L).
-pixels_below(H, L) :- pixels_told(H, _, M), M < L.
-pixel_steps(H, N) :- pixels_most(H, M), pixels_least(H, L), N is max(1, ceiling((M - L) / LONGEST)).
-""".replace("LONGEST", repr(LONGEST))
+told(pixels(H), absent, 0.0) :- pixel_occluders(H, _).
+told(pixels(H), C, L) :- pixels(H, C, L).
+"""
+
+STANCES = r"""
+% §9.9: a hypothesis whose plane is none of those that it has ways to stand on.
+other_plane(H) :- hypothesis(H, _), \+ support(none), \+ own_plane(H).
+own_plane(H) :- way_to_stand(H, S, _, _, _), support(S).
+"""
+
+STANDING = r"""
+% §9.9: a pose is as likely as its stance makes it: ρ = e^L where it stands on what is there, 1 where it is free or absent, or nothing says.
+stands_right(H) :- stance_case(H, C), fits_told(stance(H), C).
+stance_case(H, free) :- hypothesis(H, _), \+ present(H).
+stance_case(H, free) :- present(H), support(none).
+stance_case(H, free) :- stance(H, free, _).
+stance_case(H, way(S, R)) :- stance(H, S, R), S \= free, to_stand_on(S).
+to_stand_on(S) :- support(S).
+to_stand_on(X) :- present(X).
+told(stance(H), free, 0.0) :- hypothesis(H, _).
+told(stance(H), way(S, R), L) :- way_to_stand(H, S, R, _, L).
+"""
 
 VIOLATED = r"""
 % A4: distinct maximal objects are discrete.
@@ -229,8 +255,9 @@ violated(shares_data(X, Y)) :- exclusive(X, Y), present(X), present(Y).
 """
 
 FLOATS = r"""
-% Support: nothing floats, but for what something holds that the KB does not know.
-violated(floats(H)) :- floats(H), \+ excused(H).
+% Support: nothing floats, touching nothing from above, but for what something holds that the KB does not know.
+violated(floats(H)) :- weighs(H), present(H), \+ body_held(H), \+ excused(H).
+body_held(H) :- body_rests_on(H, _).
 """
 
 
@@ -243,8 +270,11 @@ def rules(situation: Situation, *, cyclic: bool) -> list[str]:
         decide = DROP if reconsider == "drop" else LINEAR + (AGREES_SMOOTHED if situation.smoothing > 0 else AGREES)
         blocks += [CHANCE, SUPPORTED, decide, *([JOINT] if cyclic else []), VIOLATED, EXCLUSIVE]
     else:
-        told = any(h.pixel_table is not None for h in situation.hypotheses)
-        blocks += [RATES, POSTERIOR, *([PIXELS] if told else []), VIOLATED]
+        told = [PIXELS] if any(h.pixel_table is not None for h in situation.hypotheses) else []
+        told += [STANDING] if situation.support is not None else []
+        blocks += [RATES, POSTERIOR, *([TOLD] if told else []), *told, VIOLATED]
+    if situation.support is not None:
+        blocks.append(STANCES)
     if situation.gravity is not None:
         blocks.append(FLOATS)
     return [block.strip("\n") for block in blocks]
@@ -280,13 +310,13 @@ NESTED = re.compile(r"\([^()]*\)|\[[^][]*\]")
 def defined() -> frozenset[str]:
     """Every signature that programs define, in either reading: nobody else may add clauses to it."""
     texts = [
-        OBJECT_TYPES, COMMON, FOUND_REASSIGN, EV, BOUNDED, CHANCE, SUPPORTED, LINEAR, AGREES_SMOOTHED, DROP, JOINT, RATES, POSTERIOR, PIXELS,
-        VIOLATED,
+        OBJECT_TYPES, COMMON, FOUND_REASSIGN, EV, BOUNDED, CHANCE, SUPPORTED, LINEAR, AGREES_SMOOTHED, DROP, JOINT, RATES, POSTERIOR, TOLD,
+        PIXELS, STANCES, STANDING, VIOLATED, FLOATS,
         *(e.clause for e in VOCABULARY),
     ]  # fmt: skip
     ruled = {
         f"{name}/{NESTED.sub('', NESTED.sub('', arguments)).count(',') + 1}"
         for name, arguments in HEAD.findall("\n".join(texts))
     }
-    told = {*FACTS, *ONLY["score"], *ONLY["posterior"], "block/3", "ev_holds/2", "excused/1", "unposed/2", *PHOTO}
+    told = {*FACTS, *ONLY["score"], *ONLY["posterior"], "block/3", "ev_holds/2", "excused/1", "unposed/2", *SOME}
     return frozenset(ruled | told | {e.signature for e in VOCABULARY})

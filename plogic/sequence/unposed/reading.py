@@ -81,6 +81,7 @@ def _without(situation: Situation, names: frozenset[str]) -> Situation:
         part_relations=tuple(r for r in situation.part_relations if not names & {r.x, r.y}),
         space=replace(situation.space.among(others), shared=situation.space.shared),
         gravity=None if situation.gravity is None else situation.gravity.among(others),
+        support=None if situation.support is None else situation.support.among(others),
         evidence=tuple(
             fact for fact in situation.evidence if not names & {name for pair in fact.pairs for name in pair}
         ),

@@ -64,9 +64,10 @@ type_look(_, _, _, _) :- fail. facet(_, _) :- fail. face(_, _) :- fail. object_p
 self_hidden(_, _) :- fail. preferred(_, _, _) :- fail. overlap(_, _) :- fail. rival_pair(_, _) :- fail.
 exclusive(_, _) :- fail. outline_relation(_, _, _) :- fail. outline_roc(_, _, _) :- fail. part_relation(_, _, _) :- fail.
 part_roc(_, _, _) :- fail. up_direction(_, _, _) :- fail. inside_image(_) :- fail. cut_by_image(_) :- fail.
-body_over(_, _) :- fail. stands_on(_, _) :- fail. stands_on_both(_, _, _) :- fail. weighs(_) :- fail.
+body_over(_, _) :- fail. body_on(_, _) :- fail. body_on_both(_, _, _) :- fail. weighs(_) :- fail.
 open_foot(_, _, _) :- fail. body_rests(_, _) :- fail. said_roc(_, _, _, _) :- fail. said_relation(_, _, _, _) :- fail.
-stands(_) :- fail. alone(_) :- fail. pick(_, _) :- fail.
+stands(_) :- fail. support(_) :- fail. stance(_, _, _) :- fail. alone(_) :- fail.
+pick(_, _) :- fail.
 
 % What is said of a hypothesis follows from its type (§2).
 feature_of(H, F, K) :- hypothesis(H, T), type_feature(T, F, K).
@@ -287,21 +288,31 @@ above(X, Y) :- body_over(X, Y), present(X), present(Y).
 % below(X, Y): Y is above X.
 below(X, Y) :- above(Y, X).
 % on(X, Y): X is above Y, touches it, and is held up by Y, or by Y and one other present object.
-on(X, Y) :- stands_on(X, Y), present(X), present(Y).
-on(X, Y) :- stands_on_both(X, Y, Z), present(X), present(Y), present(Z).
-on(X, Y) :- stands_on_both(X, Z, Y), present(X), present(Y), present(Z).
+on(X, Y) :- body_on(X, Y), present(X), present(Y).
+on(X, Y) :- body_on_both(X, Y, Z), present(X), present(Y), present(Z).
+on(X, Y) :- body_on_both(X, Z, Y), present(X), present(Y), present(Z).
 % in_view_of_camera(X): X's outline lies wholly in the image, hidden or not.
 in_view_of_camera(X) :- inside_image(X), present(X).
 % partly_in_view_of_camera(X): X's outline lies partly in the image, and partly outside.
 partly_in_view_of_camera(X) :- cut_by_image(X), present(X).
-% rests_on(X, Y): X touches Y from above, Y being another hypothesis or `ground`; where gravity is not said to hold, or up is unknown, of nothing.
-rests_on(X, Y) :- body_rests(X, Y), Y \= ground, present(X), present(Y).
-rests_on(X, ground) :- body_rests(X, ground), present(X).
-rests_on(X, ground) :- open_foot(X, _, _), present(X), \+ higher_up(X).
+% support_plane(S): S is the plane that things rest on; where nobody said that they rest, of nothing.
+support_plane(S) :- support(S), S \= none.
+% stands_on(H, S): the present H stands on the plane S, in one of its stable poses.
+stands_on(H, S) :- stance(H, S, _), support_plane(S).
+% rests_on(X, Y): X touches Y from above, or stands on it in one of its stable poses, Y being another hypothesis or `ground`, which is the plane too; where gravity is not said to hold, or up is unknown, and nobody said that things rest, of nothing.
+rests_on(X, Y) :- body_rests_on(X, Y).
+rests_on(X, Y) :- stance(X, Y, _), present(X), present(Y).
+rests_on(X, ground) :- stands_on(X, _).
+body_rests_on(X, Y) :- body_rests(X, Y), Y \= ground, present(X), present(Y).
+body_rests_on(X, ground) :- body_rests(X, ground), present(X).
+body_rests_on(X, ground) :- open_foot(X, _, _), present(X), \+ higher_up(X).
 higher_up(X) :- open_foot(X, A, _), open_foot(Y, _, B), B < A, present(Y).
-% held(X): X rests on something present, or on the ground.
+% held(X): X rests on something present, on a plane, or on the ground.
 held(X) :- rests_on(X, _).
 % floats(X): gravity is said to hold, and nothing holds X.
 floats(X) :- weighs(X), present(X), \+ held(X).
+% free(H): things are said to rest, and the present H stands on nothing that is known.
+free(H) :- stance(H, free, _).
+free(H) :- stance(H, X, _), hypothesis(X, _), \+ present(X).
 
 % ==== (5) Evidence: no violated constraint

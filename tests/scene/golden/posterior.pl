@@ -96,8 +96,8 @@ body_gap(h3, h4, 0.3000).
 up_direction(0.0000, -1.0000, 0.0000). % from: T_world_camera
 body_over(h1, h2).
 body_over(h1, h3).
-stands_on(h1, h2).
-stands_on_both(h1, h3, h4).
+body_on(h1, h2).
+body_on_both(h1, h3, h4).
 % overlap(h2, h3): 2.1e-05 m3, 12 to 12.5 mm deep
 % The four cells of each hypothesis in each context, by feature type: E∧D, E∧¬D, ¬E∧¬D, ¬E∧D.
 occluders(h1, []).
@@ -133,7 +133,7 @@ P::hit(H, F) :- candidate(H, F), feature_rate(H, F, P).
 % Of these there is nothing here.
 face(_, _) :- fail. object_part(_) :- fail. exclusive(_, _) :- fail. weighs(_) :- fail.
 open_foot(_, _, _) :- fail. body_rests(_, _) :- fail. said_roc(_, _, _, _) :- fail. said_relation(_, _, _, _) :- fail.
-stands(_) :- fail. own_rate(_, _, _) :- fail.
+stands(_) :- fail. support(_) :- fail. stance(_, _, _) :- fail. own_rate(_, _, _) :- fail.
 
 % What is said of a hypothesis follows from its type (§2).
 feature_of(H, F, K) :- hypothesis(H, T), type_feature(T, F, K).
@@ -309,22 +309,32 @@ above(X, Y) :- body_over(X, Y), present(X), present(Y).
 % below(X, Y): Y is above X.
 below(X, Y) :- above(Y, X).
 % on(X, Y): X is above Y, touches it, and is held up by Y, or by Y and one other present object.
-on(X, Y) :- stands_on(X, Y), present(X), present(Y).
-on(X, Y) :- stands_on_both(X, Y, Z), present(X), present(Y), present(Z).
-on(X, Y) :- stands_on_both(X, Z, Y), present(X), present(Y), present(Z).
+on(X, Y) :- body_on(X, Y), present(X), present(Y).
+on(X, Y) :- body_on_both(X, Y, Z), present(X), present(Y), present(Z).
+on(X, Y) :- body_on_both(X, Z, Y), present(X), present(Y), present(Z).
 % in_view_of_camera(X): X's outline lies wholly in the image, hidden or not.
 in_view_of_camera(X) :- inside_image(X), present(X).
 % partly_in_view_of_camera(X): X's outline lies partly in the image, and partly outside.
 partly_in_view_of_camera(X) :- cut_by_image(X), present(X).
-% rests_on(X, Y): X touches Y from above, Y being another hypothesis or `ground`; where gravity is not said to hold, or up is unknown, of nothing.
-rests_on(X, Y) :- body_rests(X, Y), Y \= ground, present(X), present(Y).
-rests_on(X, ground) :- body_rests(X, ground), present(X).
-rests_on(X, ground) :- open_foot(X, _, _), present(X), \+ higher_up(X).
+% support_plane(S): S is the plane that things rest on; where nobody said that they rest, of nothing.
+support_plane(S) :- support(S), S \= none.
+% stands_on(H, S): the present H stands on the plane S, in one of its stable poses.
+stands_on(H, S) :- stance(H, S, _), support_plane(S).
+% rests_on(X, Y): X touches Y from above, or stands on it in one of its stable poses, Y being another hypothesis or `ground`, which is the plane too; where gravity is not said to hold, or up is unknown, and nobody said that things rest, of nothing.
+rests_on(X, Y) :- body_rests_on(X, Y).
+rests_on(X, Y) :- stance(X, Y, _), present(X), present(Y).
+rests_on(X, ground) :- stands_on(X, _).
+body_rests_on(X, Y) :- body_rests(X, Y), Y \= ground, present(X), present(Y).
+body_rests_on(X, ground) :- body_rests(X, ground), present(X).
+body_rests_on(X, ground) :- open_foot(X, _, _), present(X), \+ higher_up(X).
 higher_up(X) :- open_foot(X, A, _), open_foot(Y, _, B), B < A, present(Y).
-% held(X): X rests on something present, or on the ground.
+% held(X): X rests on something present, on a plane, or on the ground.
 held(X) :- rests_on(X, _).
 % floats(X): gravity is said to hold, and nothing holds X.
 floats(X) :- weighs(X), present(X), \+ held(X).
+% free(H): things are said to rest, and the present H stands on nothing that is known.
+free(H) :- stance(H, free, _).
+free(H) :- stance(H, X, _), hypothesis(X, _), \+ present(X).
 
 % ---- The rules of the knowledge base's author
 tall(H) :- feature(H,'roof/apex',apex).

@@ -1,0 +1,136 @@
+"""The choices of what things stand on, with their weights in the two readings (§9.9).
+
+An image has one *state*: a plane by its name, ``NONE`` (nothing says where things stand), or ``ELSEWHERE`` (on a plane,
+but on none of those named). In every state but ``NONE`` each present hypothesis has one stance: on the plane of the
+state, on another hypothesis, or ``FREE``. Vocabulary:
+
+* ``Way("s1", "2", 0.3)``: one stance and its weight; ``Way(FREE, NONE, 0.1)``: held, leaning, hung
+
+Posterior: a stance weighs its chance times ρ, being free 1 - rests, and nothing stands on what is absent. Score: a
+stance weighs its chance, being free what is left of 1, and who would stand on what is absent is free.
+"""
+
+from collections.abc import Collection
+from dataclasses import dataclass
+from functools import cached_property
+from math import exp, fsum, inf, log
+from typing import NamedTuple
+
+import numpy as np
+
+from plogic.base.bounds import SLACK, bounded
+from plogic.base.walk import by_key
+from plogic.facts.situation import Situation
+from plogic.facts.stances import FREE, NONE, Stance, Support
+
+ELSEWHERE = ""
+"""The state in which there is a plane that is none of those named."""
+
+
+class Way(NamedTuple):
+    """``on``: a plane, a hypothesis, or ``FREE``; ``face`` of its type's stable poses; ``weight`` in one state."""
+
+    on: str
+    face: str
+    weight: float
+
+
+@dataclass(frozen=True)
+class Told:
+    """What a world is told to stand on: a plane, ``NONE`` or ``ELSEWHERE``, and (on, face) of each that is present."""
+
+    state: str
+    stances: dict[str, tuple[str, str]]
+
+
+@dataclass(frozen=True)
+class Standing:
+    """A situation's choices of support."""
+
+    situation: Situation
+    support: Support
+
+    @cached_property
+    def states(self) -> dict[str, float]:
+        """Each state with its prior share: planes as in the document, ``NONE``, and ``ELSEWHERE`` where it is left."""
+        shares = {plane.name: bounded(plane.prior) for plane in self.support.planes} | {
+            NONE: bounded(self.support.none)
+        }
+        whole = max(1.0, sum(shares.values()))
+        left = 1.0 - sum(shares.values())
+        return {name: p / whole for name, p in shares.items()} | ({ELSEWHERE: left} if left > SLACK else {})
+
+    @cached_property
+    def _stances(self) -> dict[str, list[Stance]]:
+        return by_key((stance.hypothesis, stance) for stance in self.support.stances)
+
+    @cached_property
+    def _ids(self) -> frozenset[str]:
+        return frozenset(h.id for h in self.situation.hypotheses)
+
+    @cached_property
+    def posed(self) -> list[str]:
+        """The hypotheses whose poses are known: nothing is said of how others stand."""
+        return [h.id for h in self.situation.hypotheses if h.id not in self.situation.withheld]
+
+    def stances(self, name: str, state: str) -> list[Stance]:
+        """The stances of a hypothesis that there are in a state, on its plane or on other hypotheses."""
+        mine = () if state == NONE else self._stances.get(name, ())
+        return [stance for stance in mine if stance.on == state or stance.on in self._ids]
+
+    def holders(self, name: str) -> list[str]:
+        """The other hypotheses that it may stand on."""
+        return list(dict.fromkeys(stance.on for stance in self.stances(name, ELSEWHERE)))
+
+    def planes(self, name: str) -> list[str]:
+        """The planes that it may stand on."""
+        mine = {stance.on for stance in self._stances.get(name, ())}
+        return [plane.name for plane in self.support.planes if plane.name in mine]
+
+    def choice(self, name: str, state: str) -> list[Way]:
+        """The alternative of a present hypothesis in a state; ``FREE`` is last. Nothing in ``NONE``."""
+        if state == NONE or name not in self.posed:
+            return []
+        posterior, stances = self.situation.reading == "posterior", self.stances(name, state)
+        chances = [bounded(stance.chance) for stance in stances]
+        free = 1.0 - bounded(self.support.rests) if posterior else max(0.0, 1.0 - sum(chances))
+        whole = max(1.0, sum(chances) + free)
+        ratios = [exp(stance.log_ratio) if posterior else 1.0 for stance in stances]
+        rows = zip(stances, chances, ratios, strict=True)
+        return [*(Way(s.on, str(s.face), p * r / whole) for s, p, r in rows), Way(FREE, NONE, free / whole)]
+
+    def ways(self, name: str, state: str, world: Collection[str]) -> list[Way]:
+        """The same of a hypothesis in a world that holds it."""
+        found = self.choice(name, state)
+        there = [way for way in found if way.on in world or way.on in (state, FREE)]
+        if self.situation.reading == "score" and len(there) < len(found):
+            there[-1] = there[-1]._replace(weight=there[-1].weight + sum(w.weight for w in found if w not in there))
+        return there
+
+    def log_factor(self, name: str, state: str, world: Collection[str]) -> float:
+        """Ln of what a hypothesis' stances change of the weight of a world in a state (posterior)."""
+        if state == NONE or name not in world or name not in self.posed:
+            return 0.0
+        weight = fsum(way.weight for way in self.ways(name, state, world))
+        return log(weight) if weight > 0.0 else -inf
+
+    def log_weights(self, world: Collection[str]) -> dict[str, float]:
+        """Ln of the weight of each state in a world: its share times the factors (posterior) of those present."""
+        factors = world if self.situation.reading == "posterior" else ()
+        return {
+            state: (log(share) if share > 0.0 else -inf) + sum(self.log_factor(name, state, world) for name in factors)
+            for state, share in self.states.items()
+        }
+
+    def log_weight(self, world: Collection[str]) -> float:
+        """Ln of what support changes of the weight of a world (posterior)."""
+        return float(np.logaddexp.reduce(list(self.log_weights(world).values())))
+
+    def told(self, world: Collection[str]) -> Told:
+        """The most probable state of a world, and the most probable stance of each that is present, given that."""
+        logs = self.log_weights(world)
+        state = max(logs, key=lambda name: logs[name])
+        most = {
+            name: max(ways, key=lambda way: way.weight) for name in world if (ways := self.ways(name, state, world))
+        }
+        return Told(state, {name: (way.on, way.face) for name, way in most.items()})
