@@ -9,7 +9,7 @@ import click
 
 from plogic.face.authoring.kb_group import kb
 from plogic.face.commands.bench import bench
-from plogic.face.commands.clicked import batch, bop, measures, next_view, schema, watch
+from plogic.face.commands.clicked import batch, bop, measures, next_view, schema, settle, watch
 from plogic.face.shown.options import (
     AS_JSON,
     BEST_BY,
@@ -319,6 +319,7 @@ cli.add_command(watch)
 cli.add_command(next_view)
 cli.add_command(measures)
 cli.add_command(schema)
+cli.add_command(settle)
 
 
 def _warn(source: str, *, trust: bool) -> None:

@@ -30,6 +30,8 @@ __all__ = [
     "Relation",
     "Relations",
     "Session",
+    "Settled",
+    "SettledObject",
     "World",
     "Worlds",
     "detect",
@@ -44,6 +46,7 @@ if TYPE_CHECKING:
     from plogic.face.python.perceiving import detect, perceive
     from plogic.face.python.pictures import Camera, Gamma
     from plogic.face.python.sessions import Session
+    from plogic.face.python.settled import Settled, SettledObject
     from plogic.face.session.results import AnswerRow, Answers, Predictions, World, Worlds
     from plogic.run.measured import Measure
     from sensing.appearance import Appearance
@@ -67,6 +70,8 @@ else:
         "Relation": "plogic.face.python.interpretation",
         "Relations": "plogic.face.python.interpretation",
         "Session": "plogic.face.python.sessions",
+        "Settled": "plogic.face.python.settled",
+        "SettledObject": "plogic.face.python.settled",
         "World": "plogic.face.session.results",
         "Worlds": "plogic.face.session.results",
         "detect": "plogic.face.python.perceiving",

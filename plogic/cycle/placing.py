@@ -300,7 +300,7 @@ def rests_of(laid: Sequence[Laid], apart: Iterable[Pair] = ()) -> tuple[Pair, ..
     pairs = [(x, y) for x, y in permutations(laid, 2) if frozenset((x.name, y.name)) not in never]
     if not pairs:
         return ()
-    shapes = {one.name: _shape(one) for one in laid}
+    shapes = {one.name: shape_in(one.surface, one.world_from_object) for one in laid}
     with client() as (bullet, number):
         bodies = Bodies(bullet, number, shapes, min(one.allowed for one in laid))
         found = {(x.name, y.name): x.middle[2] for x, y in pairs if _rests(x, y, bodies)}
@@ -330,9 +330,10 @@ def _from_above(touch: Touch, x: Laid, y: Laid, over: float, *, solid: bool) -> 
     return bool(touch.normal @ UP >= np.cos(STEEP)) or over >= -x.slack(UP, touch.at) - y.slack(UP, touch.at)
 
 
-def _shape(one: Laid) -> Shape:
-    solid = one.surface.solid
+def shape_in(surface: Surface, pose: Floats) -> Shape:
+    """A surface at a pose (4, 4): convex parts where it can be cut into them exactly, else its hull."""
+    solid = surface.solid
     parts = None if solid is None else parts_of(solid_of(solid))
     exact = parts is not None and parts.exact
-    some = [] if parts is None else [transform_points(one.world_from_object, part) for part in parts.parts]
-    return shape_of(some, one.vertices, one.surface.triangles, exact=exact)
+    some = [] if parts is None else [transform_points(pose, part) for part in parts.parts]
+    return shape_of(some, transform_points(pose, surface.vertices), surface.triangles, exact=exact)

@@ -9,15 +9,15 @@ search that knows of no plane.
 
 from collections.abc import Sequence
 from contextlib import closing
-from typing import NamedTuple
+from typing import NamedTuple, Protocol
 
 import numpy as np
 
 from geometry.arrays import Floats
-from geometry.bodies.resting import Plane
+from geometry.bodies.resting import Plane, RestingFaces
 from plogic.facts.hypothesis import Hypothesis
 from plogic.match.gamma.data import Data
-from plogic.match.judged.type_models import Given, Request, TypeModel
+from plogic.match.judged.type_models import Given, Request
 from plogic.match.kinds import Models
 
 TILT, GAP = 0.087, 0.02
@@ -37,6 +37,20 @@ class Support(NamedTuple):
     by: tuple[int, ...]
 
 
+class Standing(Protocol):
+    """What can stand: a ``TypeModel``, or a body without one."""
+
+    @property
+    def centre(self) -> Floats:
+        """(3,) m, its middle, object frame."""
+        ...
+
+    @property
+    def resting(self) -> RestingFaces:
+        """The faces that it stands on."""
+        ...
+
+
 class _Stand(NamedTuple):
     """One way in which an object may stand.
 
@@ -49,7 +63,7 @@ class _Stand(NamedTuple):
     height: float
 
 
-def support_of(posed: Sequence[tuple[TypeModel, Floats]]) -> Support | None:
+def support_of(posed: Sequence[tuple[Standing, Floats]]) -> Support | None:
     """The plane below the camera on which most of these objects, of known poses (4, 4), can stand.
 
     Of equals the one they agree on best.
@@ -67,7 +81,7 @@ def support_of(posed: Sequence[tuple[TypeModel, Floats]]) -> Support | None:
     return Support(Plane(up, offset), tuple(sorted(stand.owner for stand in best)))
 
 
-def _stands(owner: int, index: TypeModel, pose: Floats) -> list[_Stand]:
+def _stands(owner: int, index: Standing, pose: Floats) -> list[_Stand]:
     middle = pose[:3, :3] @ index.centre + pose[:3, 3]
     ups, offsets = index.resting.planes(pose)
     return [

@@ -25,6 +25,7 @@ from plogic.facts.fact_rows import (
     RelatedRow,
     Slightly,
     SpaceRow,
+    SupportPlaneRow,
 )
 from plogic.facts.situation import DvOver, Reading, Reconsider, Stopped
 
@@ -322,6 +323,9 @@ class Interpretation(Marks, Listed):
     camera_doubt: NotRequired[Annotated[CameraDoubtRow, "That they contradict the camera; left out where they do not."]]
     space: NotRequired[Annotated[SpaceRow | None, "Where bodies are and what is above, on and beside what."]]
     gravity: NotRequired[Annotated[GravityRow | None, "What is assumed of gravity; null: nothing."]]
+    support_planes: NotRequired[
+        Annotated[list[SupportPlaneRow], "Planes that things may stand on, the likeliest first."]
+    ]
     measures: Annotated[MeasuresRow, "Measures of the types."]
     priors: Annotated[dict[Name, float], "Prior of an instance, by object type."]
     rules: Annotated[str, "The KB's own rules, ProbLog."]

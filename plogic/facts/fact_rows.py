@@ -146,6 +146,24 @@ class GravityKey(TypedDict):
     gravity: NotRequired[Annotated[GravityRow | None, "What rests on what, where gravity holds."]]
 
 
+class PlaneRow(TypedDict):
+    """The places x with normal·x = offset."""
+
+    normal: Annotated[Point3, "Unit vector, upwards, camera frame."]
+    offset: Annotated[float, "normal·x of its places, m."]
+
+
+class SupportPlaneRow(TypedDict):
+    """A plane that things stand on."""
+
+    name: Annotated[Name, "Its name: `s1`."]
+    plane: Annotated[PlaneRow, "Where it is."]
+    probability: Annotated[Chance, "Probability that it is what things stand on."]
+    covariance: NotRequired[
+        Annotated[list[Point3], "Of its tilts about the camera's x and y axes and its offset; rad and m."]
+    ]
+
+
 class PixelRow(TypedDict):
     """What the photo's pixels say of a hypothesis where these and no others are before it."""
 

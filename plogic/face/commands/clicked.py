@@ -1,4 +1,4 @@
-"""The commands ``batch``, ``bop``, ``measures``, ``next-view`` and ``schema`` as click has them.
+"""The commands ``batch``, ``bop``, ``measures``, ``next-view``, ``schema`` and ``settle`` as click has them.
 
 One function each, which parses, calls and prints.
 """
@@ -244,6 +244,29 @@ def measures(interpretation: str, *, as_json: bool) -> None:
     from plogic.face.commands.program import measures_command
 
     emit(measures_command(interpretation, as_json=as_json))
+
+
+@click.command(context_settings=HELP)
+@INTERPRETATION
+@click.option("--worlds", type=click.IntRange(1), default=1, show_default=True, help="How many, the best first.")
+@click.option("--drop", is_flag=True, help="Let go, too, what is free: held in its world by nothing that is known.")
+@click.option(
+    "--picture",
+    type=click.Path(path_type=Path),
+    help="Also write the best world's outlines before (dashed) and after (PNG).",
+)
+@DIGITS
+@AS_JSON
+def settle(interpretation: str, worlds: int, picture: Path | None, *, drop: bool, as_json: bool) -> None:
+    """Let the objects of the best worlds go, by physics: who stands, falls, tips, slides or is pushed out of another.
+
+    They are first moved out of each other and out of the floor, then left to gravity for two seconds. The floor is the
+    support plane of the interpretation, or the ground that its camera's place tells, or what its objects stand on.
+    Needs pybullet.
+    """
+    from plogic.face.commands.settle import settle_command
+
+    emit(settle_command(interpretation, worlds, picture, drop=drop, as_json=as_json))
 
 
 @click.command(context_settings=HELP)

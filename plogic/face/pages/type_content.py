@@ -15,6 +15,7 @@ from kb.clouds.learned import LearnedCloud
 from kb.shown.cautions import learned_summary
 from kb.shown.show import part_of_features, part_rows
 from plogic.face.pages.one_file import PageParts, one_file
+from plogic.face.pages.standing import standing_document
 from plogic.measures.distinctiveness import distinctiveness, instance_counts
 from plogic.run.painted import Drawn, coarser, floats, painted_mesh, shorts, texture_picture
 
@@ -83,6 +84,7 @@ def type_document(kb: KnowledgeBase, kind: ObjectType) -> dict[str, Any]:
         "features": _features(kind, kept, types),
         "lobes": _lobes(kind, kept),
         "surface": surface,
+        "stands": standing_document(kind),
         "notes": notes,
     }
 

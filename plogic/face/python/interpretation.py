@@ -25,6 +25,7 @@ from sensing.files.whole_files import write_whole
 
 if TYPE_CHECKING:
     from plogic.face.python.pictures import Camera
+    from plogic.face.python.settled import Settled
 
 
 TITLES = {
@@ -288,6 +289,17 @@ class Interpretation(Asked, Result):
         A row each hypothesis that is not rejected.
         """
         return measures_of(self._document)
+
+    def settle(self, worlds: int = 1, *, drop: bool = False) -> "Settled":
+        """Return what becomes of the objects of the best worlds where they are let go for two seconds.
+
+        Who falls, tips, slides, or was pushed out of another. ``drop``: what is free is let go, too. Raises InputError
+        without physics, and where nobody knows which way is up.
+        """
+        from plogic.face.python.settled import Settled
+        from plogic.run.settling import settled
+
+        return Settled(settled(self._document, worlds, drop=drop))
 
     def program(self) -> Program:
         """Return the ProbLog program with its queries.

@@ -24,6 +24,7 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
+from geometry.camera_row import CameraRow
 from plogic.face.shown.against import missed_on, silhouette
 from plogic.face.shown.edges import edges_of
 from plogic.face.shown.options import Marks
@@ -69,12 +70,8 @@ def overlay(document: Interpretation, image: NDArray[np.uint8] | None, marks: Ma
     Returns:
         (s H + legend, s W, 3) BGR, s = 2 below ``LARGE`` and else 1; the legend is as high as its lines need.
     """
-    camera = document["camera"]
-    ground = np.full((int(camera["height"]), int(camera["width"]), 3), 205, np.uint8) if image is None else image
-    scale = 1 if int(camera["width"]) >= LARGE else 2
-    size = (int(camera["width"]) * scale, int(camera["height"]) * scale)
-    picture = np.asarray(cv2.resize(ground, size, interpolation=cv2.INTER_CUBIC), np.uint8)
-    pencil = Pencil(picture, scale)
+    pencil = pencil_on(document["camera"], image)
+    picture = pencil.picture
     accepted = [h for h in document.get("hypotheses", []) if h["status"] == "accepted"]
     if marks == "none" or crowded(document):
         return np.concatenate([picture, _draw_photo(pencil, accepted, document, marks)])
@@ -86,10 +83,18 @@ def overlay(document: Interpretation, image: NDArray[np.uint8] | None, marks: Ma
         for a in document.get("appearances", []):
             pencil.sign(a["uv"], a["type"], kinds)
     _draw_names(pencil, accepted, [a["uv"] for a in document.get("appearances", [])])
-    entries = [*_case_entries(accepted, None), *((_name(h), _swatch(colour_of(i))) for i, h in enumerate(accepted))]
+    entries = [*_case_entries(accepted, None), *((_name(h), swatch(colour_of(i))) for i, h in enumerate(accepted))]
     entries += _edge_entries(accepted, dashed=dashed)
     entries += [(k.replace("_", " "), partial(Pencil.sign, kind=k, kinds=kinds)) for k in kinds]
-    return np.concatenate([picture, _legend(picture.shape[1], entries)])
+    return np.concatenate([picture, legend(picture.shape[1], entries)])
+
+
+def pencil_on(camera: CameraRow, image: NDArray[np.uint8] | None) -> Pencil:
+    """A pencil on the image, or on a plain ground, at the camera's size times s."""
+    ground = np.full((int(camera["height"]), int(camera["width"]), 3), 205, np.uint8) if image is None else image
+    scale = 1 if int(camera["width"]) >= LARGE else 2
+    size = (int(camera["width"]) * scale, int(camera["height"]) * scale)
+    return Pencil(np.asarray(cv2.resize(ground, size, interpolation=cv2.INTER_CUBIC), np.uint8), scale)
 
 
 def _draw_photo(
@@ -107,7 +112,7 @@ def _draw_photo(
         draw_dots(pencil, accepted, sides)
     _draw_labels(pencil, accepted, size)
     entries = [*_case_entries(accepted, sides)] if dotted else []
-    entries += [(f"{_name(h)}{_chance(h)}{_found(h)}", _swatch(colour_of(i))) for i, h in enumerate(accepted)]
+    entries += [(f"{_name(h)}{_chance(h)}{_found(h)}", swatch(colour_of(i))) for i, h in enumerate(accepted)]
     entries += [
         (f"rival of {name}: {_name(rival)}{_chance(rival)}", _nothing)
         for name, rival in best_rivals(document).items()
@@ -115,7 +120,7 @@ def _draw_photo(
     ]
     hatched: Entry = "less than a third found of what was in learning", _hatched
     entries += [hatched] * any(map(np.any, missed))
-    return _legend(pencil.picture.shape[1], entries + _edge_entries(accepted, dashed=dashed))
+    return legend(pencil.picture.shape[1], entries + _edge_entries(accepted, dashed=dashed))
 
 
 def _few(accepted: list[HypothesisRow]) -> bool:
@@ -302,11 +307,11 @@ def _chance(h: HypothesisRow) -> str:
 
 
 def _edge_entries(accepted: list[HypothesisRow], *, dashed: bool) -> list[Entry]:
-    rows: list[Entry] = [("edge", partial(_sample, dashed=False)), ("hidden edge", partial(_sample, dashed=True))]
+    rows: list[Entry] = [("edge", partial(sample, dashed=False)), ("hidden edge", partial(sample, dashed=True))]
     return [row for row, some in zip(rows, (bool(accepted), dashed), strict=True) if some]
 
 
-def _legend(width: int, entries: list[Entry]) -> NDArray[np.uint8]:
+def legend(width: int, entries: list[Entry]) -> NDArray[np.uint8]:
     """Return the strip (lines, width, 3) that explains colours, lines, cases and signs; it wraps."""
     strip = np.full((LINE * (3 + len(entries)), width, 3), 34, np.uint8)
     pencil, x, y = Pencil(strip, 1), 14.0, 12 + LINE / 2
@@ -339,7 +344,9 @@ def _case_entries(accepted: list[HypothesisRow], sides: Sides | None) -> list[En
     return entries
 
 
-def _swatch(colour: Colour) -> Draw:
+def swatch(colour: Colour) -> Draw:
+    """Draw a square of this colour."""
+
     def draw(pencil: Pencil, at: Place) -> None:
         x, y = int(at[0]), int(at[1])
         cv2.rectangle(pencil.picture, (x - 8, y - 8), (x + 8, y + 8), colour, -1)
@@ -347,7 +354,8 @@ def _swatch(colour: Colour) -> Draw:
     return draw
 
 
-def _sample(pencil: Pencil, at: Place, *, dashed: bool) -> None:
+def sample(pencil: Pencil, at: Place, *, dashed: bool) -> None:
+    """Draw a short grey line."""
     pencil.stroke([(at[0] - 12, at[1]), (at[0] + 12, at[1])], GREY, 2, dashed=dashed)
 
 

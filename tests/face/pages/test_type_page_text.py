@@ -15,6 +15,7 @@ from made_types import HOSTILE, bare, hostile, write_learned
 from page_checks import check_harmless, check_policy, data_text, element
 from random_cloud import random_cloud
 
+from kb.clouds.cloud import Stand
 from kb.files.read import read_kb
 from plogic.face.pages.type_content import (
     LARGEST_PICTURE,
@@ -69,6 +70,19 @@ def test_hostile_names_stay_inside_the_data(tower_kb):
     assert (data["kb"]["name"], data["type"]["name"]) == (HOSTILE, HOSTILE)
     assert HOSTILE in data["lobes"]["looks"]
     assert HOSTILE in [row[0] for row in data["types"]]
+
+
+def stands(kb, **changes):
+    return type_document(kb, replace(kb.types[1], **changes))["stands"]
+
+
+def test_the_ways_to_stand_have_pictures(tower_kb):
+    found = stands(tower_kb)
+    assert [face["said"].split(": ")[0] for face in found["faces"]] == ["0.5"] + ["0.125"] * 4
+    assert len({face["picture"]["base64"] for face in found["faces"]}) == 5
+    assert "as its file says" in stands(tower_kb, stands=(Stand((0, 0, -1)),))["said"]
+    assert stands(tower_kb, stands=()) == {"said": "Its file says that it never stands.", "faces": []}
+    assert stands(tower_kb, surface=None)["faces"] == []
 
 
 def test_a_written_type_comes_back_from_its_arrays(tower_kb):

@@ -47,12 +47,18 @@ function drawLegend() {
     ...(SIDES ? [tag(null, 'T-shaped mark'), tag(null, 'the side of an edge: a stroke along the edge, a tick towards the side')] : []));
 }
 
+function drawStands() {
+  put('standing-key', doc.stands.said);
+  put('stands', doc.stands.faces.map(({said, picture}) => el('figure', null, el('img', {src: address(picture), alt: said}), el('figcaption', null, said))));
+}
+
 function startPanels() {
   const all = total(0), made = doc.type.detector ? `learned with ${doc.type.detector}` : all ? 'written by hand' : 'its features are still to be written or learned';
   head(`an object type of the knowledge base \u201c${doc.kb.name}\u201d`, doc.type.name,
     doc.lines.length ? doc.lines.map((l) => l.charAt(0).toUpperCase() + l.slice(1) + '. ') : `${plural(all, 'feature')} of ${plural(TYPES.length, 'type')}, ${plural(PARTS.length - 1, 'part')}, ${plural(doc.lobes.of, 'lobe')}; ${made}.`);
   put('tree', el('ul', null, PARTS.map((p, i) => i).filter((i) => PARTS[i].under == null).map(branch)));
   drawLegend();
+  drawStands();
   const notes = [`A feature is seen from here where one of its lobes holds the viewpoint; ranges hold for a focal length of ${round(doc.kb.f_ref)} px. Whether the surface hides it is another matter, and is counted only where the mesh is small.`,
     `Lobes are drawn up to ${metres(CUT)}, and begin no farther than 30 % of that, so that they fit the picture; their whole ranges stand in the list.`,
     doc.features.of < all ? 'A compound feature is one point, and its parts are counted in the tree only.' : null, ...doc.notes];

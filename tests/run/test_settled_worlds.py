@@ -1,0 +1,211 @@
+"""Worlds let go by physics: boxes on a floor, in stacks, in the air; laws; and what the floor is."""
+
+from __future__ import annotations
+
+from copy import deepcopy
+
+import numpy as np
+import pytest
+from boxes_document import CAMERA_FROM_WORLD, at, boxes_document
+from hypothesis import HealthCheck, given, settings
+from hypothesis import strategies as st
+
+from plogic.base.errors import InputError
+from plogic.run import settling
+from plogic.run.settling import settled, verdict_of
+from sensing.simulated.physics import has_physics
+
+pytestmark = pytest.mark.skipif(not has_physics(), reason="pybullet is not installed")
+FEW = settings(max_examples=12, deadline=None, derandomize=True, suppress_health_check=list(HealthCheck))
+CRATE, CARTON = ("a", "crate", at(0, 0, 0)), ("b", "carton", at(0.02, 0.01, 0.1, 0.4))
+"""A crate on the floor, and a carton on it."""
+
+
+def verdicts(document, *args, **options):
+    (world,) = settled(document, *args, **options)["worlds"]
+    return {row["id"]: row["verdict"] for row in world["objects"]}
+
+
+def rows_of(document, **options):
+    (world,) = settled(document, **options)["worlds"]
+    return {row["id"]: row for row in world["objects"]}
+
+
+def test_a_stack_stands():
+    rows = rows_of(boxes_document(CRATE, CARTON))
+    assert {row["verdict"] for row in rows.values()} == {"stands"}
+    assert max(row["moved"] for row in rows.values()) < 0.001
+    assert all(row["still"] for row in rows.values())
+
+
+def test_what_was_lifted_falls_as_far():
+    (row,) = rows_of(boxes_document(("a", "crate", at(0, 0, 0.05)))).values()
+    assert row["verdict"] == "falls"
+    assert row["fell"] == pytest.approx(0.05, abs=0.001)
+
+
+def test_the_upper_falls_where_the_lower_was_taken_away():
+    document = boxes_document(CRATE, CARTON, ("c", "slab", at(0.4, 0, 0)))
+    document["worlds"] = [{"probability": 0.9, "present": ["b", "c"]}]
+    rows = rows_of(document)
+    assert {name: row["verdict"] for name, row in rows.items()} == {"b": "falls", "c": "stands"}
+    assert rows["b"]["fell"] == pytest.approx(0.1, abs=0.002)
+
+
+def test_what_leans_beyond_its_foot_tips():
+    assert verdicts(boxes_document(("b", "carton", at(0, 0, 0.02, lean=0.6)))) == {"b": "tips"}
+
+
+def test_what_reaches_far_into_another_is_pushed_out():
+    """Each by half of the 8 cm; and all of it out of what is held."""
+    document = boxes_document(CRATE, ("b", "carton", at(0.06, 0, 0.0)))
+    rows = rows_of(document)
+    assert {row["verdict"] for row in rows.values()} == {"pushed out"}
+    assert [row["pushed"] for row in rows.values()] == pytest.approx([0.04, 0.04], abs=0.002)
+    assert max(row["slid"] for row in rows.values()) < 0.001
+    document["facts"] = [{"fact": "foot", "args": ["a"], "low": 0.1, "high": 0.2}]
+    rows = rows_of(document)
+    assert {name: row["verdict"] for name, row in rows.items()} == {"a": "held", "b": "pushed out"}
+    assert rows["b"]["pushed"] == pytest.approx(0.08, abs=0.002)
+
+
+def test_what_is_free_is_held_unless_it_is_dropped():
+    """The document's facts say who floats: nothing holds b, which is 40 cm up."""
+    document = boxes_document(CRATE, ("b", "carton", at(0, 0, 0.4)))
+    document["facts"] = [
+        {"fact": "foot", "args": ["a"], "low": -0.005, "high": 0.005},
+        {"fact": "foot", "args": ["b"], "low": 0.395, "high": 0.405},
+        {"fact": "rests_on", "args": ["a", "ground"]},
+    ]
+    rows = rows_of(document)
+    assert {name: row["verdict"] for name, row in rows.items()} == {"a": "stands", "b": "held"}
+    assert rows["b"]["moved"] == 0.0
+    assert verdicts(document, drop=True) == {"a": "stands", "b": "falls"}
+
+
+def test_what_is_held_holds_others():
+    document = boxes_document(("a", "slab", at(0, 0, 0.3)), ("b", "carton", at(0.05, 0, 0.34)))
+    feet = {"a": 0.3, "b": 0.34}
+    document["facts"] = [{"fact": "foot", "args": [k], "low": z - 0.005, "high": z + 0.005} for k, z in feet.items()]
+    document["facts"].append({"fact": "rests_on", "args": ["b", "a"]})
+    assert verdicts(document) == {"a": "held", "b": "stands"}
+    assert verdicts(document, drop=True) == {"a": "falls", "b": "falls"}
+
+
+@FEW
+@given(st.integers(0, 9999))
+def test_poses_that_are_off_as_found_ones_are_stand_all_the_same(seed):
+    """A stack and its neighbour, each off by up to 8 mm and 2 degrees: nothing is thrown about."""
+    rng = np.random.default_rng(seed)
+    boxes = [CRATE, CARTON, ("c", "crate", at(0.2, 0.02, 0, 0.1)), ("d", "slab", at(0.1, -0.3, 0))]
+    off = [at(*rng.uniform(-0.008, 0.008, 3), *rng.uniform(-0.035, 0.035, 2)) for _ in boxes]
+    rows = rows_of(boxes_document(*((n, k, pose @ move) for (n, k, pose), move in zip(boxes, off, strict=True))))
+    assert {row["verdict"] for row in rows.values()} == {"stands"}
+
+
+def drawn(seed):
+    rng = np.random.default_rng(seed)
+    kinds = rng.choice(["crate", "carton", "slab"], 4)
+    poses = [at(*rng.uniform(-0.2, 0.2, 2), rng.uniform(0.0, 0.2), *rng.uniform(-0.6, 0.6, 2)) for _ in kinds]
+    return boxes_document(
+        *((f"h{i}", str(kind), pose) for i, (kind, pose) in enumerate(zip(kinds, poses, strict=True)))
+    )
+
+
+@FEW
+@given(st.integers(0, 9999))
+def test_what_has_settled_is_settled(seed):
+    document = drawn(seed)
+    rows = rows_of(document)
+    for row in document["hypotheses"]:
+        row["T_camera_object"] = rows[row["id"]]["T_camera_object"]
+    again = rows_of(document)
+    quiet = [name for name, row in rows.items() if row["still"]]
+    if len(quiet) == len(rows):
+        assert {again[name]["verdict"] for name in quiet} == {"stands"}
+        assert max(again[name]["moved"] for name in quiet) < 0.004
+
+
+@FEW
+@given(st.integers(0, 9999), st.permutations(range(4)))
+def test_the_order_of_hypotheses_changes_nothing(seed, order):
+    document = drawn(seed)
+    other = deepcopy(document)
+    other["hypotheses"] = [document["hypotheses"][i] for i in order]
+    other["worlds"][0]["present"] = [row["id"] for row in other["hypotheses"]]
+    assert rows_of(other) == rows_of(document)
+
+
+def test_several_worlds_are_each_let_go_by_themselves():
+    document = boxes_document(CRATE, CARTON)
+    document["worlds"].append({"probability": 0.1, "present": ["b"]})
+    assert [world["present"] for world in settled(document, 5)["worlds"]] == [["a", "b"], ["b"]]
+    assert [world["objects"][-1]["verdict"] for world in settled(document, 5)["worlds"]] == ["stands", "falls"]
+
+
+def floor(document):
+    (world,) = settled(document)["worlds"]
+    return world["floor"]
+
+
+def test_the_floor_is_the_likeliest_support_plane_before_anything_else():
+    document = boxes_document(CRATE, ground=-1.0)
+    up = CAMERA_FROM_WORLD[:3, 2]
+    plane = {"normal": up.tolist(), "offset": float(up @ CAMERA_FROM_WORLD[:3, 3])}
+    other = {"normal": [0.0, -1.0, 0.0], "offset": -3.0}
+    document["support_planes"] = [
+        {"name": "s1", "plane": other, "probability": 0.1},
+        {"name": "s2", "plane": plane, "probability": 0.8},
+    ]
+    found = floor(document)
+    assert found["told_by"] == "support plane s2"
+    assert found["plane"]["normal"] == pytest.approx(plane["normal"], abs=1e-6)
+    assert found["plane"]["offset"] == pytest.approx(plane["offset"], abs=1e-6)
+    assert verdicts(document) == {"a": "stands"}
+
+
+def test_else_it_is_the_ground_and_else_where_the_lowest_stands():
+    assert floor(boxes_document(CRATE))["told_by"] == "ground"
+    lifted = ("c", "carton", at(0.4, 0, 0.3))
+    document = boxes_document(CRATE, lifted, ground=None)
+    assert floor(document)["told_by"] == "lowest object a"
+    assert verdicts(document) == {"a": "stands", "c": "falls"}
+
+
+def test_else_it_is_what_the_objects_agree_on_or_nobody_knows():
+    document = boxes_document(CRATE, ("c", "slab", at(0.4, 0, 0)), ground=None)
+    del document["camera"]["T_world_camera"]
+    assert floor(document)["told_by"] == "what a, c stand on"
+    assert set(verdicts(document).values()) == {"stands"}
+    document["worlds"] = [{"probability": 1.0, "present": ["a"]}]
+    with pytest.raises(InputError, match="nobody knows which way is up"):
+        settled(document)
+
+
+def test_what_has_no_body_is_left_out():
+    document = boxes_document(CRATE, CARTON)
+    del document["assets"]["meshes"]["carton"]
+    (world,) = settled(document)["worlds"]
+    assert [row["id"] for row in world["objects"]] == ["a"]
+    assert world["left_out"] == [{"id": "b", "why": "the interpretation carries no mesh of its type"}]
+
+
+def test_without_physics_it_is_said(monkeypatch):
+    monkeypatch.setattr(settling, "has_physics", lambda: False)
+    with pytest.raises(InputError, match="nothing can be let go, for pybullet is not installed: pip install"):
+        settled(boxes_document(CRATE))
+
+
+@pytest.mark.parametrize(
+    ("moves", "verdict"),
+    [
+        ({}, "stands"),
+        ({"slid": 0.06}, "slides"),
+        ({"slid": 0.06, "tilted": 0.5}, "tips"),
+        ({"slid": 0.06, "tilted": 0.5, "fell": 0.03}, "falls"),
+        ({"slid": 0.06, "tilted": 0.5, "fell": 0.06, "pushed": 0.06}, "pushed out"),
+        ({"slid": 0.04, "tilted": 0.25, "fell": 0.02, "pushed": 0.04}, "stands"),
+    ],
+)
+def test_verdicts_are_by_the_first_way_that_is_too_far(moves, verdict):
+    assert verdict_of({"pushed": 0.0, "fell": 0.0, "tilted": 0.0, "slid": 0.0, "allowed": 0.05} | moves) == verdict
