@@ -31,6 +31,8 @@ from plogic.facts.document import HypothesisRow, Interpretation
 from plogic.facts.fact_rows import PlaneRow
 from plogic.facts.interpretation import situation_of
 from plogic.facts.situation import Situation
+from plogic.facts.stances import FREE
+from plogic.scene.readings.standing import Standing
 from sensing.simulated.physics import INSTALL, NO_PHYSICS, has_physics
 from sensing.simulated.settling import SECONDS, Fate, Loose, filled, let_go
 
@@ -172,16 +174,30 @@ def settled(document: Interpretation, worlds: int = 1, *, drop: bool = False) ->
         "format": "settled/1",
         "seconds": SECONDS,
         "worlds": [
-            _settled_world(document, chance, present, bodies, set() if drop else free_in(situation, present))
+            _settled_world(document, chance, present, bodies, stances_in(situation, present), drop=drop)
             for chance, present in listed
         ],
     }
 
 
-def free_in(situation: Situation, present: Sequence[str]) -> set[str]:
-    """Who of a world rests on nothing that it knows, by what the interpretation says."""
-    gravity = situation.gravity
-    return set() if gravity is None else {name for name in present if gravity.floating(name, present)}
+class Stances(NamedTuple):
+    """``plane``: the name of what a world most probably stands on, '' where nothing says; ``free``: who is held there.
+
+    By nothing that is known.
+    """
+
+    plane: str
+    free: frozenset[str]
+
+
+def stances_in(situation: Situation, present: Sequence[str]) -> Stances:
+    """How a world stands, by what the interpretation says."""
+    gravity, support = situation.gravity, situation.support
+    free = {name for name in present if gravity is not None and gravity.floating(name, present)}
+    if support is None:
+        return Stances("", frozenset(free))
+    told = Standing(situation, support).told(present)
+    return Stances(told.state, frozenset(free | {name for name, (on, _) in told.stances.items() if on == FREE}))
 
 
 def _bodies(document: Interpretation) -> dict[str, Placed | str]:
@@ -209,10 +225,17 @@ def _shape(mesh: MeshRow | None) -> tuple[Surface, tuple[Floats, ...]] | str:
 
 
 def _settled_world(
-    document: Interpretation, chance: float, present: Sequence[str], bodies: Mapping[str, Placed | str], free: set[str]
+    document: Interpretation,
+    chance: float,
+    present: Sequence[str],
+    bodies: Mapping[str, Placed | str],
+    stances: Stances,
+    *,
+    drop: bool,
 ) -> SettledWorld:
+    free = frozenset() if drop else stances.free
     placed = [body for name in present if isinstance(body := bodies[name], Placed)]
-    floor = floor_of(document, placed)
+    floor = floor_of(document, placed, stances.plane)
     level, back = floor.level_from_camera, inverse(floor.level_from_camera)
     fates = let_go([Loose(one.row["id"], one.parts, level @ one.pose, one.row["id"] in free) for one in placed])
     return {
@@ -228,8 +251,8 @@ def _settled_world(
     }
 
 
-def floor_of(document: Interpretation, placed: Sequence[Placed]) -> Floor:
-    """What is below some bodies: the likeliest support plane, the ground, or the plane that they agree on.
+def floor_of(document: Interpretation, placed: Sequence[Placed], plane: str = "") -> Floor:
+    """What is below some bodies: the support plane of that name, or the likeliest; the ground; what they agree on.
 
     Where the camera's place is known and the ground's height is not, the ground is where the lowest of them stands.
 
@@ -238,7 +261,7 @@ def floor_of(document: Interpretation, placed: Sequence[Placed]) -> Floor:
     """
     planes = document.get("support_planes", [])
     if planes:
-        best = max(planes, key=lambda row: row["probability"])
+        best = max(planes, key=lambda row: (row["name"] == plane, row["probability"]))
         normal = np.array(best["plane"]["normal"], float)
         size = float(np.linalg.norm(normal))
         return Floor(Plane(normal / size, -best["plane"]["offset"] / size), f"support plane {best['name']}")

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from copy import deepcopy
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -11,8 +12,10 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 from plogic.base.errors import InputError
+from plogic.facts.interpretation import situation_of
+from plogic.facts.stances import Stance, Support, SupportPlane
 from plogic.run import settling
-from plogic.run.settling import settled, verdict_of
+from plogic.run.settling import Stances, floor_of, settled, stances_in, verdict_of
 from sensing.simulated.physics import has_physics
 
 pytestmark = pytest.mark.skipif(not has_physics(), reason="pybullet is not installed")
@@ -81,6 +84,17 @@ def test_what_is_free_is_held_unless_it_is_dropped():
     assert {name: row["verdict"] for name, row in rows.items()} == {"a": "stands", "b": "held"}
     assert rows["b"]["moved"] == 0.0
     assert verdicts(document, drop=True) == {"a": "stands", "b": "falls"}
+
+
+def test_how_a_world_stands_is_by_its_likeliest_plane_and_stances():
+    """Of both s2 is what they stand on, though b rather floats than stands there."""
+    situation = situation_of(boxes_document(CRATE, CARTON))
+    spread = ((1e-4, 0, 0), (0, 1e-4, 0), (0, 0, 1e-4))
+    planes = tuple(SupportPlane(name, (0, -1, 0), -0.5, spread, prior) for name, prior in (("s1", 0.2), ("s2", 0.7)))
+    stances = Stance("a", "s2", 0, 0.9, 5.0), Stance("b", "s2", 0, 0.9, -9.0), Stance("b", "s1", 0, 0.9, 2.0)
+    situation = replace(situation, reading="posterior", support=Support(0.9, 0.1, planes, stances))
+    assert stances_in(situation, ["a", "b"]) == Stances("s2", frozenset("b"))
+    assert stances_in(replace(situation, support=None), ["a", "b"]) == Stances("", frozenset())
 
 
 def test_what_is_held_holds_others():
@@ -162,6 +176,7 @@ def test_the_floor_is_the_likeliest_support_plane_before_anything_else():
     assert found["plane"]["normal"] == pytest.approx(plane["normal"], abs=1e-6)
     assert found["plane"]["offset"] == pytest.approx(plane["offset"], abs=1e-6)
     assert verdicts(document) == {"a": "stands"}
+    assert floor_of(document, [], "s1").told_by == "support plane s1"
 
 
 def test_else_it_is_the_ground_and_else_where_the_lowest_stands():

@@ -55,8 +55,8 @@ def formats() -> dict[str, Format]:
         "interpretation": Format(
             Interpretation,
             "What one image shows",
-            "`perceive` writes it, `watch` one a frame; `worlds`, `query`, `explain`, `shell`, `program`, `report`, `measures` "
-            "and `next-view` read it.",
+            "`perceive` writes it, `watch` one a frame; `worlds`, `query`, `explain`, `shell`, `program`, `report`, `measures`, "
+            "`next-view` and `settle` read it.",
         ),
         "panorama": Format(
             Panorama,
