@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from geometry.frames import compose
-from plogic.scene.worlds.ranked_worlds import NOISE
+from plogic.scene.worlds.causes import NOISE
 from plogic.sequence.views.panorama import Body
 
 if TYPE_CHECKING:

@@ -25,7 +25,8 @@ from plogic.facts.fact_rows import (
     RelatedRow,
     Slightly,
     SpaceRow,
-    SupportPlaneRow,
+    StancesKeys,
+    StandingKeys,
 )
 from plogic.facts.situation import DvOver, Reading, Reconsider, Stopped
 
@@ -181,7 +182,7 @@ class ApartKey(TypedDict):
     apart: NotRequired[Annotated[list[str], "Sentences on the hypotheses that cannot stand where it stands."]]
 
 
-class HypothesisRow(HypothesisFacts, Verdict, ApartKey):
+class HypothesisRow(HypothesisFacts, Verdict, ApartKey, StancesKeys):
     """One hypothesis of Δh."""
 
     label: NotRequired[Annotated[Name, "The author's name of the type, where the atom is another."]]
@@ -198,12 +199,18 @@ class RejectedRow(PosedRow, Verdict):
 
 
 class WorldRow(TypedDict):
-    """One possible world; ``causes`` by appearance."""
+    """One possible world; ``causes`` by appearance, ``support`` and ``stances`` where things are said to rest."""
 
     probability: Annotated[Slightly, "Probability of the world."]
     present: Annotated[list[Name], "The hypotheses that are present in it."]
     causes: NotRequired[
         Annotated[dict[Name, Name], "The cause of each appearance: a feature, `noise`, or an unknown object."]
+    ]
+    support: NotRequired[
+        Annotated[Name, "What things stand on: a plane; `none`, nothing says where; `other`, a plane without a name."]
+    ]
+    stances: NotRequired[
+        Annotated[dict[Name, Name], "How each hypothesis stands: `s1/2`, on s1 in stable pose 2; `h1/0`; or `free`."]
     ]
     interval: NotRequired[Annotated[Interval, "Bounds of the probability, where a deadline left something open."]]
 
@@ -302,7 +309,7 @@ class Listed(TypedDict):
     unlisted_mass: NotRequired[Annotated[Interval, "Bounds of the probability of all worlds that are not listed."]]
 
 
-class Interpretation(Marks, Listed):
+class Interpretation(Marks, Listed, StandingKeys):
     """The document ``interpretation/1`` of one image."""
 
     format: Literal["interpretation/1"]
@@ -323,9 +330,6 @@ class Interpretation(Marks, Listed):
     camera_doubt: NotRequired[Annotated[CameraDoubtRow, "That they contradict the camera; left out where they do not."]]
     space: NotRequired[Annotated[SpaceRow | None, "Where bodies are and what is above, on and beside what."]]
     gravity: NotRequired[Annotated[GravityRow | None, "What is assumed of gravity; null: nothing."]]
-    support_planes: NotRequired[
-        Annotated[list[SupportPlaneRow], "Planes that things may stand on, the likeliest first."]
-    ]
     measures: Annotated[MeasuresRow, "Measures of the types."]
     priors: Annotated[dict[Name, float], "Prior of an instance, by object type."]
     rules: Annotated[str, "The KB's own rules, ProbLog."]

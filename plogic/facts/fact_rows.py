@@ -1,4 +1,4 @@
-"""Shapes of the facts, ``space`` and ``gravity`` of ``interpretation/1``, and the plain values of all shapes."""
+"""Shapes of facts, ``space``, ``gravity`` and support of ``interpretation/1``, and the plain values of all shapes."""
 
 from typing import Annotated, Literal, NotRequired, TypedDict
 
@@ -147,21 +147,54 @@ class GravityKey(TypedDict):
 
 
 class PlaneRow(TypedDict):
-    """The places x with normal·x = offset."""
+    """The plane normal·x = offset."""
 
-    normal: Annotated[Point3, "Unit vector, upwards, camera frame."]
-    offset: Annotated[float, "normal·x of its places, m."]
+    normal: Annotated[Point3, "Unit vector, camera frame, upwards: against gravity."]
+    offset: Annotated[float, "normal·x of its points, m: minus the camera's height above it."]
 
 
 class SupportPlaneRow(TypedDict):
-    """A plane that things stand on."""
+    """One plane that things may stand on."""
 
     name: Annotated[Name, "Its name: `s1`."]
     plane: Annotated[PlaneRow, "Where it is."]
-    probability: Annotated[Chance, "Probability that it is what things stand on."]
-    covariance: NotRequired[
-        Annotated[list[Point3], "Of its tilts about the camera's x and y axes and its offset; rad and m."]
+    covariance: Annotated[
+        list[Point3], Size(3), "Of its tilts about the camera's x and y, rad, and of its offset, m: rows of 3."
     ]
+    prior: Annotated[Chance, "Its prior share in the one choice of a plane."]
+    probability: Annotated[Slightly, "Probability that things stand on it: `support_plane(s1)`."]
+    standing: NotRequired[Annotated[dict[Name, Slightly], "Who may stand there, each with its probability."]]
+
+
+class RestingRow(TypedDict):
+    """``plogic.facts.stances.Support`` without its planes and stances."""
+
+    rests: Annotated[Chance, "Chance that a thing rests on another, or on a plane."]
+    none: Annotated[Chance, "Prior chance that nothing says where things stand."]
+
+
+class StandingKeys(TypedDict):
+    """Of a document, where things are said to rest."""
+
+    support_planes: NotRequired[Annotated[list[SupportPlaneRow], "The planes that things may stand on."]]
+    resting: NotRequired[Annotated[RestingRow, "What is assumed of how things stand."]]
+
+
+class StanceRow(TypedDict):
+    """One way of a hypothesis to stand."""
+
+    on: Annotated[Name, "The plane, or the other hypothesis."]
+    face: Annotated[Count, "Which of its type's stable poses it stands in, from 0."]
+    chance: Annotated[Chance, "Prior chance of this way, where what it stands on is there."]
+    log_ratio: Annotated[float, "Logarithm of how much likelier its pose is where it stands so than where it is free."]
+    probability: NotRequired[Annotated[Slightly, "Probability that it is present and stands so."]]
+
+
+class StancesKeys(TypedDict):
+    """Of a hypothesis, where things are said to rest."""
+
+    stances: NotRequired[Annotated[list[StanceRow], "Its ways to stand."]]
+    free: NotRequired[Annotated[Slightly, "Probability that it is present and stands on nothing known."]]
 
 
 class PixelRow(TypedDict):

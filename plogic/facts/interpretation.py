@@ -32,6 +32,7 @@ from plogic.facts.pixel_table import table_of
 from plogic.facts.sanity import faults
 from plogic.facts.situation import AppearanceFact, EvidenceFact, LookFact, PairFact, Situation, TypeFact, stopped_in
 from plogic.facts.spatial import gravity_facts, gravity_of, overlap_document, space_of
+from plogic.facts.stances import support_of
 
 if TYPE_CHECKING:
     from geometry.visibility.roc import Roc
@@ -76,6 +77,7 @@ def situation_of(document: Interpretation) -> Situation:
         exclusive=_pairs(facts, "exclusive"),
         space=space_of(document.get("space"), facts),
         gravity=gravity_of(document.get("gravity"), facts),
+        support=support_of(document),
         relations=tuple(_relation(f) for f in facts if f["fact"] == "relation"),
         part_relations=tuple(
             _relation(f, (f["parts"][0], f["parts"][1])) for f in facts if f["fact"] == "part_relation"

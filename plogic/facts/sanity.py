@@ -12,7 +12,7 @@ from plogic.facts.hypothesis import FeatureFact, Hypothesis
 from plogic.facts.pixel_table import MOST_BEFORE, PixelTable
 from plogic.facts.situation import EvidenceFact, PairFact, Situation
 from plogic.facts.spatial import GROUND, Gravity, Space
-from plogic.facts.stances import FREE, NONE, Stance, Support
+from plogic.facts.stances import FREE, NONE, OTHER, Stance, Support
 
 Ids = frozenset[str]
 SUMS = 1e-6
@@ -99,10 +99,10 @@ def _of_gravity(gravity: Gravity, ids: Ids) -> Iterator[str]:
 def _of_support(support: Support, ids: Ids) -> Iterator[str]:
     """Planes and ways to stand that are known, chances that sum to at most 1, and no ring of hypotheses."""
     planes = [plane.name for plane in support.planes]
-    taken = ids | {GROUND, FREE, NONE}
+    taken = ids | {GROUND, FREE, NONE, OTHER}
     yield from _twice("support: plane", planes)
     yield from (f"support: {name!r} is no name of a plane" for name in planes if name in taken or not name)
-    yield from (f"support: hypothesis {name!r} has the name of a stance" for name in sorted(ids & {FREE, NONE}))
+    yield from (f"support: hypothesis {name!r} has the name of a stance" for name in sorted(ids & {FREE, NONE, OTHER}))
     yield from _number("support: rests", support.rests, 0.0, 1.0)
     yield from _numbers((("support: none", support.none), *_priors(support)), 0.0, 1.0)
     if sum((support.none, *(plane.prior for plane in support.planes))) > 1.0 + SUMS:

@@ -1,5 +1,7 @@
 """What the things of one view stand on, and how (§9.9): planes, stable poses and their prior choices, as plain data.
 
+It comes back from ``interpretation.json``.
+
 Vocabulary, each with an example value:
 
 * ``SupportPlane("s1", (0.0, -0.8, -0.6), -0.9, covariance, prior=0.7)``: a plane of the camera's frame.
@@ -10,13 +12,18 @@ Vocabulary, each with an example value:
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NamedTuple
+
+from plogic.base.walk import by_key
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable
+    from collections.abc import Iterable, Iterator, Mapping, Sequence
 
-FREE, NONE = "free", "none"
-"""In facts and queries, the stance of what rests on nothing known, and that nothing says where things stand."""
+    from plogic.facts.document import HypothesisRow, Interpretation, RejectedRow
+    from plogic.facts.fact_rows import StanceRow, StancesKeys, StandingKeys, SupportPlaneRow
+
+FREE, NONE, OTHER = "free", "none", "other"
+"""The stance of what rests on nothing known; that nothing says where things stand; a plane that is not named."""
 
 Row = tuple[float, float, float]
 """Three numbers: a vector, or a row of a 3×3 matrix."""
@@ -73,3 +80,81 @@ class Support:
         there = known | {plane.name for plane in self.planes}
         stances = tuple(s for s in self.stances if s.hypothesis in known and s.on in there)
         return replace(self, stances=stances)
+
+
+class Stood(NamedTuple):
+    """P(support_plane) by name, P(it is present and stands so) of each stance in its order, and P(free) by id."""
+
+    planes: dict[str, float]
+    stances: tuple[float, ...]
+    free: dict[str, float]
+
+
+def standing_document(support: Support | None, found: Stood | None) -> StandingKeys:
+    """``support_planes`` and ``resting`` of ``interpretation.json``; nothing where nobody said that things rest."""
+    if support is None or found is None:
+        return {}
+    planes = [_plane_row(plane, found.planes[plane.name], support, found) for plane in support.planes]
+    return {"support_planes": planes, "resting": {"rests": support.rests, "none": support.none}}
+
+
+def stances_document(hypothesis: str, support: Support | None, found: Stood | None) -> StancesKeys:
+    """The ways of one hypothesis to stand, with their probabilities; nothing where nobody said that things rest."""
+    if support is None or found is None:
+        return {}
+    rows: list[StanceRow] = [
+        {"on": s.on, "face": s.face, "chance": s.chance, "log_ratio": s.log_ratio, "probability": p}
+        for s, p in zip(support.stances, found.stances, strict=True)
+        if s.hypothesis == hypothesis
+    ]
+    return {"stances": rows, "free": found.free[hypothesis]} if hypothesis in found.free else {"stances": rows}
+
+
+def support_of(document: Interpretation) -> Support | None:
+    """The typed form of a document's support; None where nobody said that things rest."""
+    told = document.get("resting")
+    if told is None:
+        return None
+    planes = tuple(_plane(row) for row in document.get("support_planes", ()))
+    return Support(float(told["rests"]), float(told["none"]), planes, tuple(_stances(document["hypotheses"])))
+
+
+def _stances(hypotheses: Sequence[HypothesisRow | RejectedRow]) -> Iterator[Stance]:
+    for h in hypotheses:
+        for s in h["stances"] if h["status"] != "rejected" and "stances" in h else ():
+            yield Stance(h["id"], s["on"], s["face"], float(s["chance"]), float(s["log_ratio"]))
+
+
+def _plane_row(plane: SupportPlane, probability: float, support: Support, found: Stood) -> SupportPlaneRow:
+    there: dict[str, float] = {}
+    for s, p in zip(support.stances, found.stances, strict=True):
+        if s.on == plane.name:
+            there[s.hypothesis] = there.get(s.hypothesis, 0.0) + p
+    return {
+        "name": plane.name,
+        "plane": {"normal": list(plane.normal), "offset": plane.offset},
+        "covariance": [list(row) for row in plane.covariance],
+        "prior": plane.prior,
+        "probability": probability,
+        "standing": there,
+    }
+
+
+def _plane(row: SupportPlaneRow) -> SupportPlane:
+    first, second, third = (_row(some) for some in row["covariance"])
+    normal, offset = _row(row["plane"]["normal"]), float(row["plane"]["offset"])
+    return SupportPlane(row["name"], normal, offset, (first, second, third), float(row["prior"]))
+
+
+def _row(numbers: Sequence[float]) -> Row:
+    x, y, z = numbers
+    return float(x), float(y), float(z)
+
+
+def words_of_standing(support: str | None, stances: Mapping[str, str]) -> str:
+    """What things stand on in a world: ``s1: h1, h2; h1: h3; free: h4``; a plane that nothing stands on is named."""
+    if support is None:
+        return ""
+    on = by_key((stance.rpartition("/")[0] or stance, name) for name, stance in stances.items())
+    first: dict[str, list[str]] = {} if support in on else {support: []}
+    return "; ".join(f"{what}: {', '.join(who)}" if who else what for what, who in {**first, **on}.items())

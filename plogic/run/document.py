@@ -37,12 +37,15 @@ from plogic.facts.hypothesis import Hypothesis
 from plogic.facts.interpretation import FORMAT, facts_of, hypothesis_document
 from plogic.facts.situation import OTHERS, PairFact, Situation
 from plogic.facts.spatial import apart_of, gravity_document, space_document
+from plogic.facts.stances import Stood, stances_document, standing_document
 from plogic.match.judged.evidence import outline_rings
 from plogic.measures.distinctiveness import distinctiveness, instance_counts, probability_of_distinctiveness
 from plogic.measures.explanatory import case_of, probability_of_ev
 from plogic.run.carried import image_asset, mesh_assets, sensing_document, types_document
 from plogic.run.painted import paint_assets
+from plogic.scene.asking.stood import stood
 from plogic.scene.factors.asked_formulas import together
+from plogic.scene.readings.standing import with_standing
 from plogic.scene.readings.world_weights import p_ev
 from plogic.scene.worlds.predictions import doubts
 from plogic.scene.worlds.ranked_worlds import Ranking
@@ -81,6 +84,7 @@ def document_of(
     counts, dv = instance_counts(kb.types), delta.dv
     over_types = types_told(distinctiveness(counts), kb, situation.hypotheses)
     kinds = {b.object_type.name: b.object_type for b in delta.beliefs.values()}
+    stands = stood(situation, seconds)
     document: Interpretation = {
         "format": FORMAT,
         "reading": situation.reading,
@@ -92,14 +96,15 @@ def document_of(
             cast("AppearanceRow", appearance_to_dict(a, described=False) | {"clutter": fact.clutter})
             for a, fact in zip(gamma.appearances, situation.appearances, strict=True)
         ],
-        "hypotheses": [*_hypotheses(delta, gamma, ranking, dv), *_rejected(rejected, gamma, dv)],
+        "hypotheses": [*_hypotheses(delta, gamma, ranking, stands), *_rejected(rejected, gamma, dv)],
         **_worlds(ranking, situation, short=kb.words is not None),
         "unlisted_mass": list(ranking.unlisted),
         "relations": relation_probabilities(situation, seconds),
         "doubts": [doubt.document() for doubt in doubts(situation)],
         "facts": facts_of(situation),
         "space": space_document(situation.space),
-        **gravity_document(situation.gravity),  # type: ignore[typeddict-item] # no deadline's marks yet
+        **gravity_document(situation.gravity),
+        **standing_document(situation.support, stands),  # type: ignore[typeddict-item] # no deadline's marks yet
         "measures": {
             "dv": situation.dv,
             **_shares(situation, over_types, probability_of_distinctiveness(counts)),
@@ -135,10 +140,11 @@ def _worlds(ranking: Ranking, situation: Situation, *, short: bool) -> Listed:
     """
     matched = {f.match for h in situation.hypotheses for f in h.features}
     named = [a.id for a in situation.appearances if a.id in matched or not short]
-    worlds: list[WorldRow] = [
+    rows: list[WorldRow] = [
         {"probability": w.probability, "present": list(w.present), "causes": {a: w.causes[a] for a in named}}
         for w in ranking.worlds
     ]
+    worlds = [with_standing(row, w.told) for row, w in zip(rows, ranking.worlds, strict=True)]
     return {"worlds": worlds, "causes_else": "noise"} if short else {"worlds": worlds}
 
 
@@ -165,14 +171,15 @@ def _relation(fact: PairFact, low: float, high: float, *, told: bool) -> Relatio
     return row
 
 
-def _hypotheses(delta: Delta, gamma: Gamma, ranking: Ranking, dv: Mapping[str, float]) -> list[HypothesisRow]:
+def _hypotheses(delta: Delta, gamma: Gamma, ranking: Ranking, stands: Stood | None) -> list[HypothesisRow]:
     apart = apart_of(delta.situation.space, {name: h.type for name, h in delta.beliefs.items()})
     return [
         {
             **hypothesis_document(belief, _cases(belief)),
             "label": belief.type,
             "status": cast("Status", belief.status),
-            **_verdict(belief, gamma, dv),
+            **_verdict(belief, gamma, delta.dv),
+            **stances_document(name, delta.situation.support, stands),
             "why": _why(belief, ranking.marginals[name]),
             "ev_reconsidered": _reconsidered(name, delta),
             **_apart(apart.get(name)),

@@ -197,7 +197,7 @@ def stances_in(situation: Situation, present: Sequence[str]) -> Stances:
     if support is None:
         return Stances("", frozenset(free))
     told = Standing(situation, support).told(present)
-    return Stances(told.state, frozenset(free | {name for name, (on, _) in told.stances.items() if on == FREE}))
+    return Stances(told.state, frozenset(free | {name for name, stance in told.stances.items() if stance == FREE}))
 
 
 def _bodies(document: Interpretation) -> dict[str, Placed | str]:

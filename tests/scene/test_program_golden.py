@@ -12,12 +12,13 @@ from dataclasses import replace
 from pathlib import Path
 
 import pytest
-from situations import feature, hypothesis, situation
+from situations import feature, hypothesis, plane, situation
 
 from plogic.base.errors import SituationError
 from plogic.facts.hypothesis import PartFact
 from plogic.facts.situation import AppearanceFact, LookFact, PairFact, TypeFact
 from plogic.facts.spatial import BodyFact, SharedFact, Space
+from plogic.facts.stances import Stance, Support
 from plogic.scene.text.program_text import left_out, program_text, query_lines
 from plogic.scene.worlds.ranked_worlds import ranked_worlds
 
@@ -93,12 +94,22 @@ def cyclic():
     return situation(ring, smoothing=0.01)
 
 
+def standing():
+    """Two on a table, the one on the other or not, and another plane."""
+    bodies = [hypothesis(name, [feature("x", match=f"a_{name}"), feature("y", "C")]) for name in ("h1", "h2")]
+    tilted = replace(plane("s1", 0.6), normal=(0.0, -0.8, -0.6), offset=-1.25)
+    stances = Stance("h1", "s1", 2, 0.9, 3.5), Stance("h2", "s1", 0, 0.45, -8.0), Stance("h2", "h1", 0, 0.45, 4.0)
+    return situation(bodies, "posterior", support=Support(0.9, 0.05, (tilted, plane("s2", 0.3)), stances))
+
+
 SUBJECTS = {
     "score_to_b.pl": small(),
     "score_drop.pl": small(mode="drop"),
     "score_reassign.pl": small(mode="reassign"),
     "posterior.pl": small("posterior"),
     "cyclic_smoothed.pl": cyclic(),
+    "standing.pl": standing(),
+    "standing_score.pl": replace(standing(), reading="score"),
 }
 
 

@@ -252,6 +252,21 @@ def test_one_may_stand_on_very_many_others():
     assert worlds_of(subject) == pytest.approx(by_hand(subject), abs=1e-9)
 
 
+def test_many_that_surely_stand_are_no_less_exact_in_problog():
+    """Trap (g): each absent one weighs e^-12 and less of what it could, together far less than 1e-12."""
+    names = [f"h{i}" for i in range(8)]
+    stances = tuple(
+        Stance(name, on, 0, 0.9, 12.0 + i if on == "s1" else -30.0)
+        for i, name in enumerate(names)
+        for on in ("s1", "s2")
+    )
+    subject = lone(*names, support=Support(0.9, 0.1, (plane("s1", 0.5), plane("s2", 0.3)), stances))
+    theirs = stock(subject, [f"present({name})" for name in names] + ["support_plane(s1)"])
+    ours = {goal: answer(subject, goal) for goal in theirs}
+    assert len(ours) == 9
+    assert ours == pytest.approx(theirs, abs=1e-9)
+
+
 def test_who_edits_a_fact_changes_what_follows():
     text = program_text(lone("h1", support=on_plane(4.0))) + "query(present(h1)).\n"
     for old, new, support in (

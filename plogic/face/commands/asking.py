@@ -122,6 +122,8 @@ def _row(world: World, *, bounded: bool) -> WorldRow:
         "present": list(world.present),
         "causes": dict(world.causes or {}),
     }
+    if world.support is not None:
+        row = {**row, "support": world.support, "stances": world.stances or {}}
     return {**row, "interval": list(world.interval)} if bounded else row
 
 

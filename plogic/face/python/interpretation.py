@@ -346,7 +346,14 @@ class Interpretation(Asked, Result):
         """The hypotheses and the worlds that are listed."""
         types = {h["id"]: h["type"] for h in self._document["hypotheses"]}
         listed = tuple(
-            World(w["probability"], tuple(w["present"]), self._causes(w.get("causes", {})), _interval(w))
+            World(
+                w["probability"],
+                tuple(w["present"]),
+                self._causes(w.get("causes", {})),
+                _interval(w),
+                support=w.get("support"),
+                stances=w.get("stances"),
+            )
             for w in self._document.get("worlds", [])[:10]
         )
         low, high = self._document.get("unlisted_mass", (0.0, 0.0))

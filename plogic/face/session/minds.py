@@ -264,7 +264,17 @@ def ranked(
 
 
 def _of_graph(ranking: "Ranking") -> tuple[World, ...]:
-    return tuple(World(w.probability, w.present, w.causes, w.interval) for w in ranking.worlds)
+    return tuple(
+        World(
+            w.probability,
+            w.present,
+            w.causes,
+            w.interval,
+            support=None if w.told is None else w.told.state,
+            stances=None if w.told is None else w.told.stances,
+        )
+        for w in ranking.worlds
+    )
 
 
 def _of_text(

@@ -17,6 +17,7 @@ from plogic.face.session.account_text import account_text
 from plogic.face.session.blocks import Block, Column, Lines, Note, Result, Rows, Table
 from plogic.face.shown.figures import NONE, chance, interval
 from plogic.facts.situation import Stopped
+from plogic.facts.stances import words_of_standing
 from plogic.logic.safety.author import bindings
 from plogic.logic.served.engine import Answer
 from plogic.scene.asking.explanations import Account
@@ -162,8 +163,10 @@ class World:
     """One possible world, with its ``probability`` and bounds of it.
 
     Of a scene: the hypotheses that are ``present``, and the cause of each appearance (None where evidence speaks of
-    what causes leave open). Of a program: the queries that are ``present``, true, in it; worlds in which these are the
-    same are one, with the most probable total choice among them.
+    what causes leave open); where things are said to rest, ``support``, the most probable plane (``none``: nothing says
+    where, ``other``: one without a name), and each one's most probable stance (``{"h1": "s1/2", "h2": "free"}``). Of a
+    program: the queries that are ``present``, true, in it; worlds in which these are the same are one, with the most
+    probable total choice among them.
     """
 
     probability: float
@@ -171,6 +174,8 @@ class World:
     causes: dict[str, str] | None
     interval: tuple[float, float]
     choices: tuple[str, ...] = ()
+    support: str | None = None
+    stances: dict[str, str] | None = None
 
 
 @dataclass(frozen=True, repr=False)
@@ -202,16 +207,23 @@ class Worlds(Rows[World]):
             else (Column("most probable choices"),)
         )
         between = _between(self.stopped)
+        stands = any(row.support is not None for row in self.worlds)
         columns = (
             Column("rank", right=True),
             PROBABILITY,
             *between,
             Column("present" if scene else "holds"),
             *more,
+            *[Column("stands on")] * stands,
         )
         rows = [_world(i, row, self.stopped, self.types) for i, row in enumerate(self.worlds, 1)]
+        if stands:
+            rows = [
+                (*row, words_of_standing(w.support, w.stances or {})) for row, w in zip(rows, self.worlds, strict=True)
+            ]
         if self.unlisted[1] > 0:
-            rows.append(("", *("" for _ in between), interval(*self.unlisted), "not listed", *("" for _ in more)))
+            rest = len(columns) - len(between) - 3
+            rows.append(("", *("" for _ in between), interval(*self.unlisted), "not listed", *[""] * rest))
         title = "possible worlds" + (f" {_given(self.observed)}" if self.observed else "")
         return (Table(title, columns, tuple(rows)), *_unfinished(self.stopped))
 

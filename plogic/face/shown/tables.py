@@ -15,6 +15,7 @@ from rich.text import Text
 
 from plogic.face.shown.figures import NONE, chance, interval, signed
 from plogic.facts.document import Cells, Interpretation
+from plogic.facts.stances import words_of_standing
 from plogic.scene.document import Answers
 from plogic.scene.readings.unfinished import unlisted_beyond
 
@@ -30,6 +31,7 @@ def worlds(document: Interpretation, limit: int = 10) -> Table:
     names = {h["id"]: f"{h.get('label') or h['type']} {h['id']}" for h in document.get("hypotheses", [])}
     listed = document.get("worlds", [])
     bounded = any("interval" in world for world in listed[:limit])
+    stands = any("support" in world for world in listed[:limit])
     between = [("interval", "right")] * bounded
     columns = [
         ("rank", "right"),
@@ -38,6 +40,7 @@ def worlds(document: Interpretation, limit: int = 10) -> Table:
         ("present", "left"),
         ("explained", "right"),
         ("noise", "right"),
+        *[("stands on", "left")] * stands,
     ]
     table = _table("possible worlds", *columns)
     data = [a["id"] for a in document.get("appearances", [])] if document.get("causes_else") == "noise" else []
@@ -47,7 +50,9 @@ def worlds(document: Interpretation, limit: int = 10) -> Table:
         noise = causes.count("noise")
         who = ", ".join(names.get(h, h) for h in world["present"]) or "nothing known"
         within = [interval(*world["interval"])] if bounded else []
-        table.add_row(str(i), chance(world["probability"]), *within, Text(who), str(len(causes) - noise), str(noise))
+        on = [Text(words_of_standing(world.get("support"), world.get("stances", {})))] if stands else []
+        told = str(len(causes) - noise), str(noise)
+        table.add_row(str(i), chance(world["probability"]), *within, Text(who), *told, *on)
     low, high = unlisted_beyond(document, limit)
     if high > 0:
         table.add_row("", *[""] * bounded, interval(low, high), Text("not listed", style="dim"), "", "")

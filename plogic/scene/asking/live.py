@@ -123,7 +123,7 @@ class LiveScene:
         end = None if seconds is None else time.monotonic() + seconds
         scene, asked = self._posed(seconds=None if seconds is None else seconds / 2)
         ranking = ranking_of(self.situation, scene, asked.beliefs, listed_worlds(self.situation, scene, n, end))
-        return with_joint_causes(ranking, scene) if scene.causes else ranking
+        return with_joint_causes(ranking, self.situation, scene) if scene.causes or scene.spoken else ranking
 
     def answers(self, goal: str = "present(H)", *, seconds: float | None = None) -> list[Answer]:
         """P(goal | evidence), every answer, most probable first, ties by text."""

@@ -24,6 +24,7 @@ from plogic.facts.interpretation import beside_usual
 from plogic.facts.situation import OTHERS, Situation
 from plogic.facts.spatial import words_of_shared
 from plogic.measures.explanatory import case_of
+from plogic.scene.readings.standing import Standing
 from plogic.scene.readings.world_weights import (
     Present,
     appearance_weight,
@@ -39,6 +40,8 @@ from plogic.scene.readings.world_weights import (
 @dataclass(frozen=True)
 class Contribution:
     """``datum``: an appearance, or a feature that has none, or a hypothesis, of which the photo's pixels speak.
+
+    Or ``STANDS``: where it stands, and what stands on it.
 
     ``llr``: ln P(datum | hypothesis) − ln P(datum | without it).
     """
@@ -70,12 +73,19 @@ def contributions(situation: Situation, hypothesis: str, world: Iterable[str]) -
 def _weights(scene: Scene, present: dict[str, Mask]) -> Iterator[tuple[str, Floats]]:
     for appearance in scene.claimants:
         yield appearance, appearance_weight(scene, appearance, present)
+    if scene.situation.support is not None:
+        standing = Standing(scene.situation, scene.situation.support)
+        worlds = [[name for name, column in present.items() if column[i]] for i in range(2)]
+        logs = np.array([standing.log_weight(world) for world in worlds])
+        yield STANDS, np.exp(logs - max(logs.max(), 0.0))
     for h in scene.situation.hypotheses:
         yield h.id, np.exp(pixel_odds(h, present))
         for f in unmatched(h):
             yield f"{h.id}/{f.id}", miss_weight(scene, h, f, present)
 
 
+STANDS = "(stands)"
+"""Name of the datum that poses fit a plane or each other (§9.9); no name of an appearance has parentheses."""
 LISTED = 8
 """Features, or data, that a line names; the rest is counted."""
 TYPES = 10
@@ -105,7 +115,7 @@ def presence(situation: Situation, name: str, world: Sequence[str]) -> tuple[str
     told = _score(view) if situation.reading == "score" else _posterior(view)
     beside = ", ".join(w for w in world if w != name) or "no other"
     where = f"{name} is a {view.h.type}; in the most probable world that holds it, beside {beside}:"
-    return (where, *told, *_usual(view), *_pixels(view), *_sure(view), *_held(view), *_excluded(view))
+    return (where, *told, *_usual(view), *_pixels(view), *_sure(view), *_stands(view), *_held(view), *_excluded(view))
 
 
 def _score(view: View) -> Iterator[str]:
@@ -200,8 +210,9 @@ def _posterior(view: View) -> Iterator[str]:
     told = contributions(view.scene.situation, view.h.id, view.world)
     share = next(p for shares in group_shares(view.scene).values() for name, p in shares if name == view.h.id)
     total = float(np.sum([c.llr for c in told]))
-    found = [c for c in told if c.datum != view.h.id]  # its own pixels have a line of their own
-    what = "what is detected and what is not" + (", and the photo's pixels," if len(found) < len(told) else "")
+    found = [c for c in told if c.datum not in (view.h.id, STANDS)]  # these two have lines of their own
+    own = {view.h.id: ", and the photo's pixels,", STANDS: ", and where it stands,"}
+    what = "what is detected and what is not" + "".join(own[c.datum] for c in told if c.datum in own)
     yield f"  prior {share:.4g}; {what} changes its log-odds against this world without it by {total:+.4g}"
     for mark, side in (("for", [c for c in found if c.llr > 0]), ("against", [c for c in found if c.llr < 0])):
         yield from (f"  {mark}: {_datum(view, c)}: {c.llr:+.3g}" for c in side[:LISTED])
@@ -223,6 +234,34 @@ def _datum(view: View, c: Contribution) -> str:
     whose = f"its {feature}" if name == view.h.id else c.datum
     why = " is expected" if c.llr < 0 else " would be expected without it"
     return f"no appearance at ({f.uv[0]:.0f}, {f.uv[1]:.0f}), where {whose}{why}"
+
+
+def _stands(view: View) -> Iterator[str]:
+    """What it stands on most probably in this world, and by how much that changes its log-odds (§9.9, posterior)."""
+    situation, name = view.scene.situation, view.h.id
+    if situation.support is None:
+        return
+    standing = Standing(situation, situation.support)
+    told = standing.told(view.world)
+    if name not in told.stances:
+        return
+    on, _, _ = told.stances[name].rpartition("/")
+    others = [other for other, stance in told.stances.items() if stance.startswith(f"{on}/") and other != name]
+    if situation.reading == "score":
+        yield f"  most probably it {_standing(standing, on, others)}; where it stands is no evidence in this reading"
+        return
+    without = [other for other in view.world if other != name]
+    gain = standing.log_weight(view.world) - standing.log_weight(without)
+    mark = "believed because" if gain > 0.0 else "against:"
+    yield f"  {mark} it {_standing(standing, on, others)}: {gain:+.3g} in log-odds"
+
+
+def _standing(standing: Standing, on: str, others: Sequence[str]) -> str:
+    """``stands on s1, the plane of h3, h4``."""
+    if not on:
+        return "stands on nothing known: it is held, leans or hangs, or its pose is wrong"
+    plane = f", the plane of {listed(others)}" if others else ", a plane of its own"
+    return f"stands on {on}" + (plane if on in standing.states else "")
 
 
 def _held(view: View) -> Iterator[str]:

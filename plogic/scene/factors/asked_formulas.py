@@ -39,6 +39,7 @@ class Asked:
             if factor.scope:
                 self._factors.setdefault(self._of[factor.scope[0]], []).append(factor)
         self._known: dict[tuple[tuple[int, frozenset[int]], ...], Interval] = {}
+        self._beside: dict[tuple[int, frozenset[int]], tuple[Beliefs, dict[int, int]]] = {}
 
     def probability(self, formula: Formula) -> Interval:
         """P(formula): both ends are the same but where ``solve`` reached a deadline."""
@@ -62,11 +63,27 @@ class Asked:
             ((v, inside),) = states.items()
             return probability(self.beliefs, Literal(v, inside))
         key = tuple(sorted(states.items(), key=lambda item: item[0]))
+        if len(key) == 2:
+            return self._pair(*key)
         if key not in self._known:
             graph, number = self._part([self._of[key[0][0]]])
             held = observed(graph, [Literal(number[v], inside) for v, inside in key])
             self._known[key] = _ratio(self.solve(held).log_z, self.solve(graph).log_z)
         return self._known[key]
+
+    def _pair(self, one: tuple[int, frozenset[int]], other: tuple[int, frozenset[int]]) -> Interval:
+        """P(one) · P(other | one): where the one holds, the piece is solved once for all others."""
+        alone = probability(self.beliefs, Literal(*one))
+        if alone[1] <= 0.0:
+            return 0.0, 0.0
+        if one not in self._beside:
+            graph, number = self._part([self._of[one[0]]])
+            self._beside[one] = self.solve(observed(graph, [Literal(number[one[0]], one[1])])), number
+        solved, number = self._beside[one]
+        if solved.log_z[1] == -math.inf:
+            return 0.0, 0.0
+        beside = probability(solved, Literal(number[other[0]], other[1]))
+        return alone[0] * beside[0], min(alone[1] * beside[1], 1.0)
 
     def _part(self, touched: list[int]) -> tuple[FactorGraph, dict[int, int]]:
         """The pieces alone, with the new number of each variable."""

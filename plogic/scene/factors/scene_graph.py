@@ -94,7 +94,8 @@ class SceneGraph:
     ``causes["a3"]``: the cause of an appearance, as a variable, if one was asked for, or that has very many claimants.
     ``decided``: auxiliary variables of which each has one possible state in a world. ``choices``: the (variable, state)
     of each choice of the author's that is spoken of. ``spoken``: whether the causes are variables since something
-    speaks of them. ``support``: what things stand on, where that matters, and ``stances`` those that are spoken of.
+    speaks of them, or of what things stand on. ``support``: what they stand on, where that matters, and the
+    ``stances`` that are spoken of.
     """
 
     graph: FactorGraph
@@ -137,9 +138,12 @@ def scene_graph(situation: Situation, *, explicit: Collection[str] = (), spoken:
     tables.forbid([(cast.place[x], cast.place[y]) for x, y in pairs])
     decided = add_floating(tables, cast)
     stances = frozenset[str]().union(*(meant.stances for meant in spoken))
-    support = add_support(tables, cast, stances, planes=any(meant.planes for meant in spoken))
+    planes = any(meant.planes for meant in spoken)
+    support = add_support(tables, cast, stances, planes=planes)
     choices = _add_choices(tables, spoken)
-    scene = SceneGraph(tables.graph(), cast.variables, cast.place, causes, decided, choices, bool(explicit), *support)
+    scene = SceneGraph(
+        tables.graph(), cast.variables, cast.place, causes, decided, choices, bool(explicit) or planes, *support
+    )
     return _held(scene, [formula for meant in spoken for formula in meant.formulas(meant.given, scene)])
 
 

@@ -1,6 +1,6 @@
 """The choices of what things stand on, with their weights in the two readings (§9.9).
 
-An image has one *state*: a plane by its name, ``NONE`` (nothing says where things stand), or ``ELSEWHERE`` (on a plane,
+An image has one *state*: a plane by its name, ``NONE`` (nothing says where things stand), or ``OTHER`` (on a plane,
 but on none of those named). In every state but ``NONE`` each present hypothesis has one stance: on the plane of the
 state, on another hypothesis, or ``FREE``. Vocabulary:
 
@@ -20,11 +20,9 @@ import numpy as np
 
 from plogic.base.bounds import SLACK, bounded
 from plogic.base.walk import by_key
+from plogic.facts.document import WorldRow
 from plogic.facts.situation import Situation
-from plogic.facts.stances import FREE, NONE, Stance, Support
-
-ELSEWHERE = ""
-"""The state in which there is a plane that is none of those named."""
+from plogic.facts.stances import FREE, NONE, OTHER, Stance, Support
 
 
 class Way(NamedTuple):
@@ -35,12 +33,25 @@ class Way(NamedTuple):
     weight: float
 
 
+def said(on: str, face: str) -> str:
+    """``s1/2``: on what, and with which stable pose; ``free``."""
+    return FREE if on == FREE else f"{on}/{face}"
+
+
 @dataclass(frozen=True)
 class Told:
-    """What a world is told to stand on: a plane, ``NONE`` or ``ELSEWHERE``, and (on, face) of each that is present."""
+    """What things stand on in a world: the image's state, and the stance of each that is present.
+
+    ``Told("s1", {"h1": "s1/2", "h2": "h1/0", "h3": "free"})``.
+    """
 
     state: str
-    stances: dict[str, tuple[str, str]]
+    stances: dict[str, str]
+
+
+def with_standing(row: WorldRow, told: Told | None) -> WorldRow:
+    """The row of a world with what things stand on in it, where they are said to rest."""
+    return row if told is None else {**row, "support": told.state, "stances": told.stances}
 
 
 @dataclass(frozen=True)
@@ -52,13 +63,13 @@ class Standing:
 
     @cached_property
     def states(self) -> dict[str, float]:
-        """Each state with its prior share: planes as in the document, ``NONE``, and ``ELSEWHERE`` where it is left."""
+        """Each state with its prior share: planes as in the document, ``NONE``, and ``OTHER`` where it is left."""
         shares = {plane.name: bounded(plane.prior) for plane in self.support.planes} | {
             NONE: bounded(self.support.none)
         }
         whole = max(1.0, sum(shares.values()))
         left = 1.0 - sum(shares.values())
-        return {name: p / whole for name, p in shares.items()} | ({ELSEWHERE: left} if left > SLACK else {})
+        return {name: p / whole for name, p in shares.items()} | ({OTHER: left} if left > SLACK else {})
 
     @cached_property
     def _stances(self) -> dict[str, list[Stance]]:
@@ -69,9 +80,10 @@ class Standing:
         return frozenset(h.id for h in self.situation.hypotheses)
 
     @cached_property
-    def posed(self) -> list[str]:
-        """The hypotheses whose poses are known: nothing is said of how others stand."""
-        return [h.id for h in self.situation.hypotheses if h.id not in self.situation.withheld]
+    def posed(self) -> dict[str, None]:
+        """The hypotheses whose poses are known, in the order of Δh: nothing is said of how others stand."""
+        withheld = self.situation.withheld
+        return dict.fromkeys(h.id for h in self.situation.hypotheses if h.id not in withheld)
 
     def stances(self, name: str, state: str) -> list[Stance]:
         """The stances of a hypothesis that there are in a state, on its plane or on other hypotheses."""
@@ -80,7 +92,7 @@ class Standing:
 
     def holders(self, name: str) -> list[str]:
         """The other hypotheses that it may stand on."""
-        return list(dict.fromkeys(stance.on for stance in self.stances(name, ELSEWHERE)))
+        return list(dict.fromkeys(stance.on for stance in self.stances(name, OTHER)))
 
     def planes(self, name: str) -> list[str]:
         """The planes that it may stand on."""
@@ -126,11 +138,11 @@ class Standing:
         """Ln of what support changes of the weight of a world (posterior)."""
         return float(np.logaddexp.reduce(list(self.log_weights(world).values())))
 
-    def told(self, world: Collection[str]) -> Told:
-        """The most probable state of a world, and the most probable stance of each that is present, given that."""
-        logs = self.log_weights(world)
-        state = max(logs, key=lambda name: logs[name])
-        most = {
-            name: max(ways, key=lambda way: way.weight) for name in world if (ways := self.ways(name, state, world))
-        }
-        return Told(state, {name: (way.on, way.face) for name, way in most.items()})
+    def told(self, world: Collection[str], state: str | None = None) -> Told:
+        """The most probable state of a world, or this one, and given that the most probable stance of each there."""
+        if state is None:
+            logs = self.log_weights(world)
+            state = max(logs, key=lambda name: logs[name])
+        ways = {name: self.ways(name, state, world) for name in world}
+        most = {name: max(some, key=lambda way: way.weight) for name, some in ways.items() if some}
+        return Told(state, {name: said(way.on, way.face) for name, way in most.items()})

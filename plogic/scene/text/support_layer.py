@@ -7,8 +7,8 @@ those named. Each hypothesis that is present has a choice of stances on a plane,
 from collections.abc import Iterator
 
 from plogic.base.bounds import bounded
-from plogic.facts.stances import FREE, NONE, Support
-from plogic.scene.readings.standing import ELSEWHERE, Standing
+from plogic.facts.stances import FREE, NONE, OTHER, Support
+from plogic.scene.readings.standing import Standing
 from plogic.scene.text.layout import Writer, coordinate, disjunction, number
 
 
@@ -41,7 +41,7 @@ def support_choices(w: Writer) -> Iterator[str]:
     yield from _planes(w, situation.support)
     yield "% Who is present stands on that plane, or on another hypothesis, in a stable pose, or is free."
     for name in standing.posed:
-        for state in (*standing.planes(name), ELSEWHERE):
+        for state in (*standing.planes(name), OTHER):
             yield _stances(w, standing, name, state)
 
 
@@ -71,7 +71,10 @@ def _stances(w: Writer, standing: Standing, name: str, state: str) -> str:
     chances = [f"C{i}" for i, _ in enumerate(ways, 1)]
     all_of_them = " + ".join(chances) or "0"
     free = f"1 - ({all_of_them})" if w.scene.situation.reading == "score" else "1 - Q"
-    body = [f"present({w.atoms(name)})", f"support({w.atoms(state)})" if state else f"other_plane({w.atoms(name)})"]
+    body = [
+        f"present({w.atoms(name)})",
+        f"other_plane({w.atoms(name)})" if state == OTHER else f"support({w.atoms(state)})",
+    ]
     body += [f"way_to_stand({way}, {c}, _)" for way, c in zip(ways, chances, strict=True)]
     body += ["rests_chance(Q)"] if w.scene.situation.reading == "posterior" else []
     body += [f"F is max(0, {free})", f"T is max(1, F + {all_of_them})"]

@@ -12,10 +12,7 @@ appearance that very many claim), joint states with it are ranked instead: a wor
 state times the number of joint auxiliary states, so a world whose sum is known may be told as soon as no world that is
 yet unseen can be heavier.
 
-What causes each appearance in one world is told by the fixed matchings (score) or their most probable assignment
-(posterior). There sets of hypotheses are bits of a number, that of the i-th in Δh being 1 << i. A ``Claim`` is a
-candidate feature that is matched to an appearance, with what hides it: ``Claim(0b1, "h1/roof/apex", 0.5, 0.05, 0.8,
-0b110)``.
+What things stand on in one world is the most probable plane, and the most probable stance of each, given that (§9.9).
 """
 
 import contextlib
@@ -24,15 +21,12 @@ import math
 import time
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
-from typing import NamedTuple
 
 import numpy as np
 
-from plogic.base.bounds import alternative, bounded
 from plogic.base.clock import Clock, OutOfTimeError
 from plogic.base.errors import InconsistentError, LimitError, OutsideError, WidthError
 from plogic.facts.dependence import Scene
-from plogic.facts.hypothesis import Hypothesis
 from plogic.facts.sanity import check
 from plogic.facts.situation import Situation, names_of
 from plogic.inference.gates import Literal, observed
@@ -42,118 +36,16 @@ from plogic.inference.ranked import Ranked, best
 from plogic.logic.safety.atoms import quoted
 from plogic.logic.served.engine import Limits, program_worlds, run
 from plogic.scene.factors.scene_graph import SceneGraph, scene_graph
-from plogic.scene.factors.weight_tables import Cast, cast_of
+from plogic.scene.factors.weight_tables import Choice, cast_of
+from plogic.scene.readings.standing import Standing, Told, said
 from plogic.scene.readings.world_weights import log_scale
 from plogic.scene.text.program_text import program_of
 from plogic.scene.worlds.blame import blaming
+from plogic.scene.worlds.causes import CauseTable
 
 Weighed = tuple[float, tuple[int, ...]]
 Interval = tuple[float, float]
 Listed = list[tuple[float, tuple[str, ...]]]
-
-
-NOISE = "noise"
-
-
-class Claim(NamedTuple):
-    """``label``: what the cause is called; ``residual`` in pixels, inf where there is none; ``density`` per pixel².
-
-    ``hit`` h_F.
-    """
-
-    hypothesis: int
-    label: str
-    residual: float
-    density: float
-    hit: float
-    hiders: int
-
-
-class CauseTable:
-    """The claims of every appearance of Γ, and which appearances the presence of a hypothesis can touch."""
-
-    def __init__(self, cast: Cast) -> None:
-        situation = cast.situation
-        self._score = situation.reading == "score"
-        self._clutter = {a.id: a.clutter for a in situation.appearances}
-        self._bit = {h.id: 1 << i for i, h in enumerate(situation.hypotheses)}
-        self._claims: dict[str, list[Claim]] = {a: [] for a in self._clutter}
-        self._touched: dict[str, list[str]] = {name: [] for name in self._bit}
-        self._relevant = dict.fromkeys(self._clutter, 0)
-        self._known: dict[str, dict[int, str]] = {a: {} for a in self._clutter}
-        self._shares: dict[str, list[float]] = {}
-        for h in situation.hypotheses:
-            self._add_claims(cast, h)
-
-    def _add_claims(self, cast: Cast, h: Hypothesis) -> None:
-        name, mine, bit = h.id, self._bit[h.id], self._bit
-        for f in h.features:
-            match = f.match
-            if match is None or not h.expects(f):
-                continue
-            hiders = 0
-            for g in cast.hiders(h, f) if f.hidden_by else ():
-                hiders |= bit[g]
-                self._touched[g].append(match)
-            residual = float("inf") if f.residual is None else f.residual
-            self._claims[match].append(Claim(mine, f"{name}/{f.id}", residual, f.density, bounded(f.hit_rate), hiders))
-            self._touched[name].append(match)
-            self._relevant[match] |= mine | hiders
-
-    def causes(self, worlds: Sequence[Sequence[str]]) -> list[dict[str, str]]:
-        """For each world: appearance → ``"h1/roof/apex"`` or ``"noise"``, exactly one for every appearance (trap a).
-
-        Worlds differ in a few hypotheses: only what these touch is looked at anew.
-        """
-        if not worlds:
-            return []
-        first, known, relevant = set(worlds[0]), self._known, self._relevant
-        base = sum(self._bit[name] for name in first)
-        found = [{a: self._cause(a, base) for a in self._claims}]
-        for world in worlds[1:]:
-            changed = first.symmetric_difference(world)
-            present = base ^ sum([self._bit[name] for name in changed])
-            anew = set[str]().union(*[self._touched[name] for name in changed])
-            found.append(found[0] | {a: known[a].get(present & relevant[a]) or self._cause(a, present) for a in anew})
-        return found
-
-    def _cause(self, appearance: str, present: int) -> str:
-        """Only whether those are present matters who claim the appearance, or hide what does."""
-        known, key = self._known[appearance], present & self._relevant[appearance]
-        if key not in known:
-            live = [i for i, c in enumerate(self._claims[appearance]) if key & c.hypothesis and not key & c.hiders]
-            known[key] = (
-                NOISE
-                if not live
-                else self._nearest(appearance, live)
-                if self._score
-                else self._likeliest(appearance, live)
-            )
-        return known[key]
-
-    def _nearest(self, appearance: str, live: list[int]) -> str:
-        """Where two expect the same appearance, the smaller residual takes it; then the earlier in Δh."""
-        return min([self._claims[appearance][i] for i in live], key=lambda claim: claim.residual).label
-
-    def _likeliest(self, appearance: str, live: list[int]) -> str:
-        """The largest term of Σ_i N_i h_i Π_{j≠i}(1−h_j) + f Π_j(1−h_j); ties go to a claimant, the earliest in Δh."""
-        claims, clutter = self._claims[appearance], self._clutter[appearance]
-        if appearance not in self._shares:
-            self._shares[appearance] = alternative([*[c.density for c in claims], clutter]) or [0.0] * (len(claims) + 1)
-        shares = self._shares[appearance]
-        most, likeliest = -1.0, NOISE
-        for i in live:
-            term = _term(shares[i], claims, live, i)
-            if term > most:
-                most, likeliest = term, claims[i].label
-        return NOISE if _term(shares[-1], claims, live, None) > most else likeliest
-
-
-def _term(share: float, claims: list[Claim], live: list[int], cause: int | None) -> float:
-    for i in live:
-        hit = claims[i].hit
-        share *= hit if i == cause else 1.0 - hit
-    return share
 
 
 def weighed(scene: SceneGraph, clock: Clock) -> Iterator[Weighed]:
@@ -212,13 +104,14 @@ are listed."""
 class World:
     """One possible world; ``present`` in the order of Δh, ``causes`` for every appearance of Γ.
 
-    ``interval`` bounds the probability.
+    ``interval`` bounds the probability. ``told``: what things stand on; None where nobody said that they rest.
     """
 
     probability: float
     present: tuple[str, ...]
     causes: dict[str, str]
     interval: Interval
+    told: Told | None = None
 
 
 @dataclass(frozen=True)
@@ -272,7 +165,7 @@ def _on_graph(situation: Situation, n: int, seconds: float | None) -> Ranking:
     if belief.log_z[1] == -math.inf:
         raise InconsistentError(_reason(scene))
     ranking = ranking_of(situation, scene, belief, listed_worlds(situation, scene, n, end))
-    return with_joint_causes(ranking, scene) if scene.spoken else ranking
+    return with_joint_causes(ranking, situation, scene) if scene.spoken else ranking
 
 
 def _by_text(situation: Situation, n: int, seconds: float | None) -> Ranking:
@@ -283,11 +176,7 @@ def _by_text(situation: Situation, n: int, seconds: float | None) -> Ranking:
     found = program_worlds(text, n, goals=list(goals), limits=limits, names=names)
     chances = run([text], list(goals), names=names, limits=limits)
     present = [tuple(sorted((goals[goal] for goal in w.holds), key=ids.index)) for w in found.worlds]
-    causes = CauseTable(cast_of(situation)).causes(present)
-    worlds = tuple(
-        World(w.probability, who, c, (w.probability, w.probability))
-        for w, who, c in zip(found.worlds, present, causes, strict=True)
-    )
+    worlds = _told(situation, list(zip([(w.probability, w.probability) for w in found.worlds], present, strict=True)))
     marginals = {name: answer.probability for name, (answer,) in zip(ids, chances, strict=True)}
     log_evidence = (found.log_evidence or 0.0) + log_scale(Scene(situation))
     intervals = {name: (p, p) for name, p in marginals.items()}
@@ -304,9 +193,7 @@ def ranking_of(situation: Situation, scene: SceneGraph, belief: Beliefs, found: 
     low, high = min(max(belief.log_z[0], known), belief.log_z[1]), belief.log_z[1]
     log_z = low, high
     chances = [(min(math.exp(weight - high), 1.0), min(math.exp(weight - low), 1.0)) for weight, _ in listed]
-    causes = CauseTable(cast_of(situation)).causes([present for _, present in listed])
-    rows = zip(chances, listed, causes, strict=True)
-    worlds = tuple(World(_middle(p), present, c, p) for p, (_, present), c in rows)
+    worlds = _told(situation, [(chance, present) for chance, (_, present) in zip(chances, listed, strict=True)])
     intervals = {h.id: _interval(belief, *scene.place[h.id]) for h in situation.hypotheses}
     return Ranking(
         worlds,
@@ -319,20 +206,46 @@ def ranking_of(situation: Situation, scene: SceneGraph, belief: Beliefs, found: 
     )
 
 
-def with_joint_causes(ranking: Ranking, scene: SceneGraph) -> Ranking:
-    """The ranking with the most probable joint causes in each world, given the evidence.
+def _told(situation: Situation, worlds: Sequence[tuple[Interval, tuple[str, ...]]]) -> tuple[World, ...]:
+    """Worlds, given as probability and who is present, with their causes and what things stand on there."""
+    causes = CauseTable(cast_of(situation)).causes([present for _, present in worlds])
+    standing = None if situation.support is None else Standing(situation, situation.support)
+    told = [None if standing is None else standing.told(present) for _, present in worlds]
+    rows = zip(worlds, causes, told, strict=True)
+    return tuple(World(_middle(p), present, c, p, stands) for (p, present), c, stands in rows)
 
-    Of the appearances whose causes are variables, since evidence speaks of them.
+
+def with_joint_causes(ranking: Ranking, situation: Situation, scene: SceneGraph) -> Ranking:
+    """The ranking with the most probable joint causes in each world, given the evidence, and what things stand on then.
+
+    Of the appearances whose causes are variables, since evidence speaks of them, and of the stances that it speaks of.
     """
-    return replace(
-        ranking, worlds=tuple(replace(w, causes={**w.causes, **_causes(scene, w.present)}) for w in ranking.worlds)
-    )
+    return replace(ranking, worlds=tuple(_beside_evidence(world, situation, scene) for world in ranking.worlds))
 
 
-def _causes(scene: SceneGraph, present: Sequence[str]) -> dict[str, str]:
-    states = dict.fromkeys(range(len(scene.variables)), 0) | dict(scene.place[name] for name in present)
-    (_, found), *_ = best(observed(scene.graph, [Literal(v, frozenset({s})) for v, s in states.items()]), 1)
-    return {name: "/".join(cause.states[found[cause.variable]]) for name, cause in scene.causes.items()}
+def _beside_evidence(world: World, situation: Situation, scene: SceneGraph) -> World:
+    states = dict.fromkeys(range(len(scene.variables)), 0) | dict(scene.place[name] for name in world.present)
+    held = observed(scene.graph, [Literal(v, frozenset({s})) for v, s in states.items()])
+    (_, found), *_ = best(held, 1)
+    causes = {name: "/".join(cause.states[found[cause.variable]]) for name, cause in scene.causes.items()}
+    return replace(world, causes={**world.causes, **causes}, told=_stood(world, situation, scene, held))
+
+
+def _stood(world: World, situation: Situation, scene: SceneGraph, held: FactorGraph) -> Told | None:
+    """What things stand on in a world where evidence speaks of it: the plane, and then each one's stance."""
+    if situation.support is None or scene.support is None:
+        return world.told
+    (state,) = _likeliest(scene.support, beliefs(held))
+    given_state = beliefs(observed(held, [scene.support.literal(state)]))
+    told = Standing(situation, situation.support).told(world.present, state)
+    spoken = {
+        name: said(*_likeliest(choice, given_state)) for name, choice in scene.stances.items() if name in told.stances
+    }
+    return replace(told, stances={**told.stances, **spoken})
+
+
+def _likeliest(choice: Choice, belief: Beliefs) -> tuple[str, ...]:
+    return choice.states[int(np.argmax(belief.low[choice.variable]))]
 
 
 def listed_worlds(situation: Situation, scene: SceneGraph, n: int, end: float | None = None) -> tuple[Listed, bool]:

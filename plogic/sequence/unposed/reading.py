@@ -50,19 +50,25 @@ def withheld(document: Interpretation, names: Sequence[str]) -> Interpretation:
     changed = {
         "facts": facts_of(told),
         "space": space_document(told.space),
-        "hypotheses": [_row(h, by_id.get(h["id"])) for h in document["hypotheses"]],
+        "hypotheses": [_row(h, by_id.get(h["id"]), told.withheld) for h in document["hypotheses"]],
         "relations": [row for row in document.get("relations", ()) if not set(names) & set(row["args"])],
         "doubts": [row for row in document.get("doubts", ()) if not set(names) & set(row["args"])],
     }
     return cast("Interpretation", {**document, **changed})
 
 
-def _row(h: HypothesisRow | RejectedRow, told: Hypothesis | None) -> dict[str, object]:
-    if told is None:
+def _row(h: HypothesisRow | RejectedRow, told: Hypothesis | None, withheld: frozenset[str]) -> dict[str, object]:
+    if told is None or h["status"] == "rejected":
         return {**h}
     hidden_by = {f.id: list(f.hidden_by) for f in told.features}
     features = [{**f, "hidden_by": hidden_by[f["id"]]} for f in h["features"]]
-    return {**h, "features": features, **({} if told.pixel_table is None else told.pixel_table.document())}
+    stances = [row for row in h.get("stances", ()) if not withheld & {h["id"], row["on"]}]
+    return {
+        **h,
+        "features": features,
+        **({} if told.pixel_table is None else told.pixel_table.document()),
+        **({"stances": stances} if "stances" in h else {}),
+    }
 
 
 def _without(situation: Situation, names: frozenset[str]) -> Situation:

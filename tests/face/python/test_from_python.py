@@ -300,7 +300,15 @@ def test_a_frame_has_a_column_each_field_and_each_variable(scene):
     frame = scene.query("cause(A, H, F)").to_pandas()
     assert list(frame.columns) == ["goal", "A", "H", "F", "probability", "interval"]
     assert isinstance(frame, pd.DataFrame)
-    assert list(scene.worlds().to_pandas().columns) == ["probability", "present", "causes", "interval", "choices"]
+    assert list(scene.worlds().to_pandas().columns) == [
+        "probability",
+        "present",
+        "causes",
+        "interval",
+        "choices",
+        "support",
+        "stances",
+    ]
 
 
 def test_without_pandas_one_line_says_what_to_install(scene, monkeypatch):
