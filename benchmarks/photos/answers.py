@@ -1,6 +1,6 @@
 """What is made of a photo: what is accepted and what the document claims.
 
-* ``Shown``: a photo with its truth; ``Answer``: what perception came to
+* ``Shown``: a photo with its truth; ``Looked``: what perception came to; ``Answer``: the same, judged
 """
 
 from __future__ import annotations
@@ -64,6 +64,14 @@ class Answer(NamedTuple):
         return f"photo {self.shown.name}: {found} in {self.seconds:.1f} s"
 
 
+class Looked(NamedTuple):
+    """The document of a photo, the cycle that it came from, and in how many seconds."""
+
+    document: Interpretation
+    cycle: Cycle
+    seconds: float
+
+
 def photos_of(dataset: Dataset) -> Iterator[Shown]:
     """The photos of a BOP dataset; ``present.json`` beside a scene names what is there without a pose."""
     from plogic.run.bop.json_files import numbered
@@ -92,7 +100,7 @@ class Looker:
         self.kb, self.numbers = kb, {kind.name: numbers[kind.name] for kind in kb.types if kind.name in numbers}
         self._perceiver = perceiver_of(kb)
 
-    def answer(self, shown: Shown, models: Mapping[int, Model]) -> Answer:
+    def looked(self, shown: Shown) -> Looked:
         """Perceive a photo; seconds are those until it is known what is accepted."""
         from plogic.base.clock import Stopwatch
         from plogic.cycle.delta import Options
@@ -103,9 +111,13 @@ class Looker:
         gamma = detected(shown.image, shown.camera, self.kb, clock)
         found = self._perceiver.cycle(gamma, options, clock, image=shown.image)
         seconds = perf_counter() - start
-        document = self._perceiver.document(gamma, *found, options, shown.image, clock)
+        return Looked(self._perceiver.document(gamma, *found, options, shown.image, clock), found[1], seconds)
+
+    def answer(self, shown: Shown, models: Mapping[int, Model]) -> Answer:
+        """Perceive a photo, and what came of it."""
+        document, cycle, seconds = self.looked(shown)
         told = forecasts(document, self.numbers, shown, models)
-        return Answer(shown, self.accepted(document), seconds, tuple(told), self._first(found[1]))
+        return Answer(shown, tuple(self.accepted(document).values()), seconds, tuple(told), self._first(cycle))
 
     def _first(self, cycle: Cycle) -> tuple[Posed, ...]:
         best: dict[str, Hypothesis] = {}
@@ -116,7 +128,7 @@ class Looker:
             best.setdefault(posed.type, posed)
         return tuple(Posed(self.numbers[t], h.camera_from_object) for t, h in best.items() if t in self.numbers)
 
-    def accepted(self, document: Interpretation) -> tuple[Posed, ...]:
-        """The accepted objects of types that have a number."""
+    def accepted(self, document: Interpretation) -> dict[str, Posed]:
+        """The accepted objects of types that have a number, by the names of their hypotheses."""
         rows = [(type_of(h), h) for h in document["hypotheses"] if h["status"] == "accepted"]
-        return tuple(Posed(self.numbers[t], np.array(h["T_camera_object"])) for t, h in rows if t in self.numbers)
+        return {h["id"]: Posed(self.numbers[t], np.array(h["T_camera_object"])) for t, h in rows if t in self.numbers}

@@ -9,6 +9,7 @@ import os
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from benchmarks.photos.pictures import folder_made
 from benchmarks.photos.real import of_all, of_dataset
 from benchmarks.photos.simulated import of_pictures
 from benchmarks.photos.without import of_left_out
@@ -43,15 +44,12 @@ def run(
     left out; None for the photos.
 
     Raises:
-        InputError: The photos are not there, or their models cannot be learned.
+        InputError: The photos are not there, their models cannot be learned, or the folder of pictures cannot be made.
     """
     from plogic.run.bop.dataset import open_dataset
 
-    try:
-        if pictures is not None:
-            pictures.mkdir(parents=True, exist_ok=True)
-    except OSError as error:
-        raise InputError(f"{pictures}: cannot be made: {error.strerror}") from None
+    if pictures is not None:
+        folder_made(pictures)
     reports = []
     for name in SETS[:1] if quick or part == SIMULATED else SETS:
         if not (FOLDER / name).is_dir():

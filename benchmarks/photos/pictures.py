@@ -11,13 +11,14 @@ from typing import TYPE_CHECKING
 import cv2
 import numpy as np
 
-from benchmarks.photos.score import OUTLINED, RIGHT
 from geometry.visibility.outline import outline
+from plogic.base.errors import InputError
 from plogic.face.shown.overlay import LARGE
 from plogic.face.shown.pencil import WHITE, Box, Colour, Pencil, beside
 
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
+    from pathlib import Path
 
     from benchmarks.photos.answers import Shown
     from benchmarks.photos.score import Posed, Told
@@ -29,6 +30,15 @@ GREEN, ORANGE, RED = (115, 158, 0), (0, 159, 230), (0, 94, 213)
 """Blue, green, red; of Okabe and Ito's palette, which colour-blind eyes tell apart."""
 TEXT = 0.6
 LEGEND = "dashed: the truth; green: right; orange: found; red: neither"
+
+
+def folder_made(path: Path) -> Path:
+    """The folder of pictures, made where it is not there. Raises InputError where it cannot be."""
+    try:
+        path.mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        raise InputError(f"{path}: cannot be made: {error.strerror}") from None
+    return path
 
 
 def drawn(
@@ -68,7 +78,7 @@ def drawn(
 def _verdict(row: Told | None, *, there: bool) -> tuple[str, Colour]:
     if row is None or row.error is None or row.overlap is None:
         return ("there, its pose is not known", WHITE) if there else ("not there", RED)
-    colour = GREEN if row.error < RIGHT else ORANGE if row.overlap >= OUTLINED else RED
+    colour = GREEN if row.right else ORANGE if row.found else RED
     return f"ADD {row.error:.3f}, overlap {row.overlap:.2f}", colour
 
 

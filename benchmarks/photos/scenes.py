@@ -8,7 +8,7 @@ of the types.
 from __future__ import annotations
 
 from dataclasses import replace
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, TypeVar
 
 import numpy as np
 
@@ -17,16 +17,16 @@ from benchmarks.photos.score import Posed
 from benchmarks.recognition.scenes import EMPTY_EVERY, HARD, half_turns
 from benchmarks.recognition.score import HALF
 from benchmarks.tabletop.rgbd_sensor import RgbdSensor
-from benchmarks.tabletop.scene import Arrangement, recognition_scene
+from benchmarks.tabletop.scene import Arrangement, TabletopScene, recognition_scene
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Mapping, Sequence
     from pathlib import Path
 
-    from benchmarks.tabletop.scene import TabletopScene
     from plogic.run.bop.models import Model
     from sensing.simulated.body import TexturedMesh
 
+Photographed = TypeVar("Photographed", bound=TabletopScene)
 FIRST = 20_000
 """First seed of the pictures of seed 0: from 5000 on odds of pixels are learned (``benchmarks/pixel_odds.py``)."""
 STEP = 1000
@@ -87,9 +87,14 @@ def photo_scene(named: Sequence[tuple[str, TexturedMesh]], seed: int, turn: int)
     scene = recognition_scene(
         named, seed, arranged=_fitting(BANDS[turn % len(BANDS)], len(named)), empty=empty, hard=hard
     )
+    return troubled(scene, rng)
+
+
+def troubled(scene: Photographed, rng: np.random.Generator) -> Photographed:
+    """The scene with a photo's troubles: print on the floor, highlights, white balance, what the camera does."""
     blue, red = rng.uniform(1 - OFF, 1 + OFF, 2)
     table = scene.surroundings
-    troubled = replace(
+    worse = replace(
         table,
         floor_pattern=str(rng.choice(list(FLOORS), p=list(FLOORS.values()))),
         floor_metres=float(rng.uniform(0.3, 0.9)),
@@ -97,7 +102,7 @@ def photo_scene(named: Sequence[tuple[str, TexturedMesh]], seed: int, turn: int)
         lamp_colour=_times(table.lamp_colour, blue, red),
         sky_colour=_times(table.sky_colour, blue, red),
     )
-    return replace(scene, surroundings=troubled, sensor=_sensor(rng))
+    return replace(scene, surroundings=worse, sensor=_sensor(rng))
 
 
 def _fitting(band: Arrangement, types: int) -> Arrangement:

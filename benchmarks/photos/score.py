@@ -47,6 +47,16 @@ class Told(NamedTuple):
     overlap: float | None = None
     answer: Posed | None = None
 
+    @property
+    def right(self) -> bool:
+        """Whether the pose that stands for it is."""
+        return self.error is not None and self.error < RIGHT
+
+    @property
+    def found(self) -> bool:
+        """Whether its outline is, or its pose is right."""
+        return self.right or (self.overlap is not None and self.overlap >= OUTLINED)
+
 
 @dataclass(frozen=True)
 class Counts:
@@ -115,7 +125,6 @@ def counted(
     pose: what is accepted of them is neither right nor false.
     """
     rows: list[Told] = []
-    right = found = 0
     errors = {
         id(answer): [error_of(answer, t, models[t.obj_id]) if t.obj_id == answer.obj_id else np.inf for t in truths]
         for answer in answers
@@ -129,9 +138,8 @@ def counted(
         error = errors[id(best)][i]
         overlap = overlap_of(best, truth, surfaces[truth.obj_id], camera)
         rows.append(Told(truth.obj_id, error, overlap, best))
-        right += error < RIGHT
-        found += overlap >= OUTLINED or error < RIGHT
     posed = {truth.obj_id for truth in truths}
     accepted = sum(answer.obj_id in posed for answer in answers)
     false = sum(answer.obj_id not in posed and answer.obj_id not in unposed for answer in answers)
+    right, found = sum(row.right for row in rows), sum(row.found for row in rows)
     return Counts(len(truths), right, found, accepted, false), rows

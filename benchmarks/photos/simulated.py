@@ -10,7 +10,6 @@ from benchmarks.photos import told
 from benchmarks.photos.answers import Looker
 from benchmarks.photos.knowledge import known, of_types
 from benchmarks.photos.scenes import PLAIN, PRINTED, as_symmetric, photos, shapes_of
-from benchmarks.photos.score import RIGHT as ADD
 from benchmarks.photos.table import Report, draw, measure_of, row, seconds_of, wrong
 from benchmarks.shared.claims import Claim
 from geometry.frames import transform_points
@@ -89,7 +88,7 @@ def by_size(measure: Measure, answers: Sequence[Answer]) -> list[dict[str, Any]]
             pixels = float(np.ptp(a.shown.camera.project(places), axis=0).max())
             group = next(group for group, own in GROUPS.items() if truth.obj_id in own)
             band = int(np.searchsorted(SIZES[1:-1], pixels, side="right"))
-            seen.setdefault((band, group), []).append(one.error is not None and one.error < ADD)
+            seen.setdefault((band, group), []).append(one.right)
     return [
         {"pixels": f"{SIZES[band]} to {SIZES[band + 1]}", "of": group, "there": len(right), "right": sum(right)}
         for (band, group), right in sorted(seen.items())

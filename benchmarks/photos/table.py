@@ -5,7 +5,7 @@ from __future__ import annotations
 from statistics import median
 from typing import TYPE_CHECKING, Any, NamedTuple
 
-from benchmarks.photos.score import RIGHT, Counts, Told, asked, counted
+from benchmarks.photos.score import Counts, Told, asked, counted
 from plogic.run.bop.models import read_models
 
 if TYPE_CHECKING:
@@ -88,7 +88,7 @@ def wrong(measure: Measure, answers: Sequence[Answer]) -> list[dict[str, Any]]:
         rows += [
             {"photo": a.shown.name, "type": measure.names[told.obj_id], "error": told.error, "overlap": told.overlap}
             for told in measure.counted(a.shown, a.ours)[1]
-            if told.error is None or told.error >= RIGHT
+            if not told.right
         ]
         there = {some.obj_id for some in a.shown.truths} | a.shown.neither
         rows += [

@@ -24,7 +24,8 @@ if TYPE_CHECKING:
     from plogic.run.bop.models import Model
 
 EVERY, NAMED, POSED = "a type is there, all types", "a type is there, those found", "its pose is right"
-"""Claims: of every type of the KB; of those that are accepted or their rivals; of what is accepted."""
+STANDS = "it stands on the plane"
+"""Claims: of every type of the KB; of those that are accepted or their rivals; the others of what is accepted."""
 JUDGED = NAMED, POSED
 FEW_BINS, IN_BIN = 5, 10
 """Bins are as many as hold ten forecasts each, ``FEW_BINS`` to ``BINS``: of few a bin, ECE is that of the noise. Of 12
@@ -68,7 +69,7 @@ def type_of(row: HypothesisRow | RejectedRow) -> str:
 
 def rows(name: str, told: Sequence[Forecast], seed: int = 0) -> list[dict[str, Any]]:
     """A row a claim: mean probability, share that is true, ECE with its 95 % interval (photos drawn anew)."""
-    return [_row(name, claim, told, seed) for claim in (EVERY, *JUDGED) if any(f.claim == claim for f in told)]
+    return [_row(name, claim, told, seed) for claim in (EVERY, *JUDGED, STANDS) if any(f.claim == claim for f in told)]
 
 
 def _row(name: str, claim: str, told: Sequence[Forecast], seed: int) -> dict[str, Any]:
@@ -86,10 +87,10 @@ def _row(name: str, claim: str, told: Sequence[Forecast], seed: int) -> dict[str
     }
 
 
-def bins(name: str, told: Sequence[Forecast]) -> list[dict[str, Any]]:
+def bins(name: str, told: Sequence[Forecast], judged: Sequence[str] = JUDGED) -> list[dict[str, Any]]:
     """The reliability table of each claim: a row a bin."""
     listed = []
-    for claim in JUDGED:
+    for claim in judged:
         p, y, _ = _said(told, claim)
         for b in reliability(p, y, _bins(p)) if len(p) else ():
             low, high = b.interval
@@ -99,10 +100,16 @@ def bins(name: str, told: Sequence[Forecast]) -> list[dict[str, Any]]:
     return listed
 
 
-def claims(name: str, told: Sequence[Forecast], bar: float) -> list[Claim]:
-    """That both claims are calibrated; of no forecast nothing is wrong."""
-    said = [(claim, *_said(told, claim)[:2]) for claim in JUDGED]
-    return [Claim(f"{name}: ECE, {claim}", "<=", bar, _error(p, y) if len(p) else 0.0) for claim, p, y in said]
+def claims(
+    name: str,
+    told: Sequence[Forecast],
+    bar: float,
+    judged: Sequence[str] = JUDGED,
+    none: float | None = 0.0,
+) -> list[Claim]:
+    """That claims are calibrated; ``none``: what is said of no forecast, of which nothing is wrong."""
+    said = [(claim, *_said(told, claim)[:2]) for claim in judged]
+    return [Claim(f"{name}: ECE, {claim}", "<=", bar, _error(p, y) if len(p) else none) for claim, p, y in said]
 
 
 def _said(told: Sequence[Forecast], claim: str) -> tuple[Floats, Floats, list[str]]:

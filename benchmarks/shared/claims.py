@@ -14,16 +14,18 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class Claim:
-    """``Claim("both towers right", ">=", 0.95, 0.97)``."""
+    """``Claim("both towers right", ">=", 0.95, 0.97)``; a value of None: it could not be measured."""
 
     claim: str
     relation: str
     bar: float
-    value: float
+    value: float | None
 
     @property
     def met(self) -> bool:
         """Whether the value keeps to the bar."""
+        if self.value is None:
+            return False
         return self.value >= self.bar if self.relation == ">=" else self.value <= self.bar
 
     def document(self) -> dict[str, Any]:
@@ -31,7 +33,7 @@ class Claim:
         return {
             "claim": self.claim,
             "bar": f"{self.relation} {self.bar:g}",
-            "value": round(self.value, 4),
+            "value": None if self.value is None else round(self.value, 4),
             "met": self.met,
         }
 

@@ -3,7 +3,7 @@
 * ``recognition_scene([("cracker", mesh), ...], seed=5000, hard=0.5)``
 
 Seeds 0 to 59 are the benchmark's (``plogic bench recognition``), those from 20000 on ``plogic bench photos
---simulated``'s. Develop on seeds from 5000 on.
+--simulated``'s, and from 40000 on ``plogic bench support``'s. Develop on seeds from 5000 on.
 
 How much of each body a camera sees, by rays: the share of its own picture that the others leave visible.
 
@@ -61,6 +61,8 @@ CROWDED = 0.67
 %."""
 TWINS = 0.15
 """Share of the scenes in which one type stands there twice."""
+SEEN = (0.7, 1.0), (0.4, 0.7)
+"""Bounds of what is visible of the most hidden thing: of a scene that is not crowded, and of one that is."""
 ARRANGEMENTS, VIEWS = 60, 16
 
 
@@ -68,7 +70,7 @@ ARRANGEMENTS, VIEWS = 60, 16
 class Arrangement:
     """How things lie and are seen: how many, how far away (m), how long (pixels), and the chance of a crowded scene.
 
-    ``packages``: chances of none, one, two and so on that are of no type.
+    ``packages``: chances of none, one, two and so on that are of no type; ``elevation``: degrees above the table.
     """
 
     bodies: tuple[int, int] = (3, 5)
@@ -76,6 +78,7 @@ class Arrangement:
     pixels: tuple[float, float] = PIXELS
     crowded: float = CROWDED
     packages: tuple[float, ...] = (0.4, 0.4, 0.2)
+    elevation: tuple[float, float] = ELEVATION
 
 
 @dataclass(frozen=True, eq=False)
@@ -114,11 +117,16 @@ def recognition_scene(
     for _ in range(ARRANGEMENTS):
         things = _packages(rng, int(rng.integers(2, 5))) if empty else _chosen(shapes, rng, arranged)
         placed = put_down(things, rng, spread=0.12 if crowded else 0.2)
-        found = _viewed(placed, rng, arranged, crowded=crowded and not empty) if placed else None
+        found = viewed(placed, rng, arranged, seen=SEEN[crowded and not empty]) if placed else None
         if placed and found:
             camera, fractions = found
             return TabletopScene(
-                placed, camera, _light(rng, hard), _table(rng, camera, hard), random_sensor(rng, hard), fractions
+                placed,
+                camera,
+                random_light(rng, hard),
+                random_table(rng, camera, hard),
+                random_sensor(rng, hard),
+                fractions,
             )
     few, many = arranged.bodies
     raise SceneError(
@@ -140,28 +148,30 @@ def _packages(rng: np.random.Generator, number: int) -> list[tuple[str | None, T
     return [(None, random_package(rng)) for _ in range(number)]
 
 
-def _viewed(
-    bodies: Sequence[Body], rng: np.random.Generator, arranged: Arrangement, *, crowded: bool
+def viewed(
+    bodies: Sequence[Body], rng: np.random.Generator, arranged: Arrangement, seen: tuple[float, float]
 ) -> tuple[Camera, tuple[float, ...]] | None:
-    """A camera that sees them as wanted, with the visible fractions; None if 16 places of chance give none."""
+    """A camera that sees them as wanted, with the visible fractions; None if 16 places of chance give none.
+
+    ``seen``: bounds of what is visible of that typed body of which the least is.
+    """
     typed = [i for i, body in enumerate(bodies) if body.label is not None] or list(range(len(bodies)))
     for _ in range(VIEWS):
-        camera = _aimed([bodies[i] for i in typed], rng, arranged.distance)
+        camera = _aimed([bodies[i] for i in typed], rng, arranged)
         if not all(_fits(bodies[i], camera, arranged) for i in typed):
             continue
         fractions = seen_fractions(bodies, camera)
-        mine = [fractions[i] for i in typed]
-        if min(mine) >= (0.4 if crowded else 0.7) and (not crowded or min(mine) <= 0.7):
+        if seen[0] <= min(fractions[i] for i in typed) <= seen[1]:
             return camera, fractions
     return None
 
 
-def _aimed(bodies: Sequence[Body], rng: np.random.Generator, distance: tuple[float, float]) -> Camera:
+def _aimed(bodies: Sequence[Body], rng: np.random.Generator, arranged: Arrangement) -> Camera:
     points = np.concatenate([b.vertices_world for b in bodies])
     middle = (points.min(axis=0) + points.max(axis=0)) / 2
-    elevation, azimuth = np.radians(rng.uniform(*ELEVATION)), rng.uniform(0, 2 * np.pi)
+    elevation, azimuth = np.radians(rng.uniform(*arranged.elevation)), rng.uniform(0, 2 * np.pi)
     side = np.array([np.cos(azimuth) * np.cos(elevation), np.sin(azimuth) * np.cos(elevation), np.sin(elevation)])
-    eye = middle + rng.uniform(*distance) * side
+    eye = middle + rng.uniform(*arranged.distance) * side
     angle, f = np.radians(rng.uniform(-8, 8)), rng.uniform(*FOCAL)
     roll = np.eye(4)
     roll[:2, :2] = [[np.cos(angle), -np.sin(angle)], [np.sin(angle), np.cos(angle)]]
@@ -181,7 +191,8 @@ def _fits(body: Body, camera: Camera, arranged: Arrangement) -> bool:
     return bool(inside and small <= (high - low).max() <= large and near <= away <= far)
 
 
-def _light(rng: np.random.Generator, hard: float) -> Light:
+def random_light(rng: np.random.Generator, hard: float) -> Light:
+    """A lamp and a sky of chance; the harder, the brighter is the lamp."""
     azimuth, elevation = rng.uniform(0, 2 * np.pi), np.radians(rng.uniform(30, 80))
     x, y, z = np.cos(azimuth) * np.cos(elevation), np.sin(azimuth) * np.cos(elevation), np.sin(elevation)
     lamp = rng.uniform(0.3, 0.5 + 0.25 * hard)
@@ -194,7 +205,7 @@ def _light(rng: np.random.Generator, hard: float) -> Light:
     )
 
 
-def _table(rng: np.random.Generator, camera: Camera, hard: float) -> Table:
+def random_table(rng: np.random.Generator, camera: Camera, hard: float) -> Table:
     """Patterns and colours of chance; the wall is on the far side, as the camera looks."""
     forward = np.asarray(camera.world_from_camera)[:2, 2]
 

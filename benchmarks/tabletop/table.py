@@ -44,12 +44,15 @@ SHINE = 30.0
 
 @dataclass(frozen=True)
 class Table(Surroundings):
-    """The floor (z = 0), the wall behind it, and the lamp's colours, blue first; 1 is white of full strength.
+    """The floor (z = 0, or lower under a table), the wall behind it, and the lamp's colours.
+
+    Colours are blue first; 1 is white of full strength.
 
     Attributes:
         floor_pattern: One of ``PATTERNS``; so is ``wall_pattern``.
         floor_metres: Side of the square that the floor's pattern covers; beyond it is repeated. ``wall_metres``
             likewise.
+        floor_height: World z of the floor, metres.
         wall_distance: Metres from the world's origin to the wall.
         wall_azimuth: Radians from the world's x; the direction from the origin to the wall.
         lamp_colour: Of the direct light; ``sky_colour`` of the rest.
@@ -60,6 +63,7 @@ class Table(Surroundings):
     wall_pattern: str = "plain"
     floor_metres: float = 1.2
     wall_metres: float = 1.5
+    floor_height: float = 0.0
     wall_distance: float = 0.8
     wall_azimuth: float = 0.0
     lamp_colour: Colour = (1.0, 1.0, 1.0)
@@ -150,7 +154,7 @@ class _Stage:
     def _planes(self, rays: NDArray[np.float64]) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
         """Depths (N,) at which rays meet the floor and the wall; inf where they do not."""
         with np.errstate(divide="ignore", invalid="ignore"):
-            floor = -self.eye[2] / rays[:, 2]
+            floor = (self.table.floor_height - self.eye[2]) / rays[:, 2]
             wall = (self.table.wall_distance - self.eye @ self.behind) / (rays @ self.behind)
         return np.where(floor > 0, floor, np.inf), np.where(wall > 0, wall, np.inf)
 

@@ -2,13 +2,9 @@
 
 from __future__ import annotations
 
-import json
-
 import pytest
 from console import plogic
-from photo_folder import photos
-
-QUICK = "bench", "photos", "--quick", "--json", "--kb", "kbs"
+from photo_folder import photos, ran
 
 
 @pytest.fixture(scope="module")
@@ -17,14 +13,8 @@ def one(tmp_path_factory):
     return photos(tmp_path_factory.mktemp("one"), {"cube": 1})
 
 
-def ran(folder, *more):
-    done = plogic(*QUICK, *more, cwd=folder, PLOGIC_PHOTOS="photos")
-    assert "Traceback" not in done.stderr
-    return json.loads(done.stdout), done
-
-
 def test_photos_are_counted_claimed_and_drawn(one):
-    found, done = ran(one, "--pictures", "pictures")
+    found, done = ran(one, "photos", "--pictures", "pictures")
     assert done.returncode == 1, "eleven of twelve are asked for"
     ours, first, peer = found["rows"]
     assert (ours["row"], ours["there"], ours["right"], ours["false"]) == ("ycb, ours", 2, 2, 0)
@@ -44,7 +34,7 @@ def test_photos_are_counted_claimed_and_drawn(one):
 
 
 def test_simulated_pictures_are_as_many_as_asked_and_the_same_again(one):
-    found, done = ran(one, "--simulated", "--count", "2")
+    found, done = ran(one, "photos", "--simulated", "--count", "2")
     assert done.stderr.count("photo 2000") == 2
     rows = {row["row"]: row for row in found["rows"]}
     assert rows["ycb, printed"]["there"] == rows["ycb, all"]["there"] >= 2
@@ -53,14 +43,14 @@ def test_simulated_pictures_are_as_many_as_asked_and_the_same_again(one):
     assert sum(row["there"] for row in sized) == rows["ycb, all"]["there"]
     assert sum(row["right"] for row in sized) == rows["ycb, all"]["right"]
     assert {row["claim"] for row in found["reliability"]} <= {row["claim"] for row in found["claimed"]}
-    again, _ = ran(one, "--simulated", "--count", "2")
+    again, _ = ran(one, "photos", "--simulated", "--count", "2")
     for row in (*found["rows"], *again["rows"]):
         del row["seconds"]
     assert found == again
 
 
 def test_a_removed_type_comes_back_as_its_twin(tmp_path):
-    found, done = ran(photos(tmp_path, {"cube": 1, "twin": 2}), "--without")
+    found, done = ran(photos(tmp_path, {"cube": 1, "twin": 2}), "photos", "--without")
     assert done.returncode == 1
     assert found["rows"] == [{"row": "ycb", "left out": 2, "another in its place": 2}]
     assert [(row["photo"], row["without"], row["accepted"]) for row in found["in its place"]] == [
@@ -72,7 +62,7 @@ def test_a_removed_type_comes_back_as_its_twin(tmp_path):
 
 
 def test_of_one_type_nothing_is_left_that_could_come_back(one):
-    found, done = ran(one, "--without")
+    found, done = ran(one, "photos", "--without")
     assert done.returncode == 0, done.stderr
     assert found["rows"] == [{"row": "ycb", "left out": 2, "another in its place": 0}]
     assert found["in its place"] == []
@@ -83,8 +73,8 @@ def test_of_one_type_nothing_is_left_that_could_come_back(one):
     [
         (("box", "--simulated"), "`box` has no such parts; `photos` has"),
         (("box", "--without"), "`box` has no such parts; `photos` has"),
-        (("box", "--kb", "kbs"), "`box` learns its own; `photos` takes one"),
-        (("box", "--count", "3"), "`box` has no such pictures; `photos` has"),
+        (("box", "--kb", "kbs"), "`box` learns its own; `photos` and `support` take one"),
+        (("box", "--count", "3"), "`box` has no such pictures; `photos` and `support` have"),
         (("photos", "--count", "3"), "pictures are counted with --simulated"),
     ],
 )

@@ -1,9 +1,15 @@
-"""Small datasets of photos as ``plogic bench photos`` reads them, of painted cubes, beside what was learned of them."""
+"""Small datasets of photos as ``plogic bench photos`` reads them, of painted cubes, beside what was learned of them.
+
+And such a benchmark, run on them.
+"""
 
 from __future__ import annotations
 
+import json
+
 import cv2
 from bop_folders import put
+from console import plogic
 from painted_cube import CAMERA, CORNER, SIDE, cloud, cube, picture, pose_towards, seen, write_knowledge
 
 MM = 1000.0
@@ -42,3 +48,10 @@ def photos(folder, named):
     (folder / "kbs/ycb").mkdir(parents=True)
     write_knowledge(folder / "kbs/ycb", dict.fromkeys(named, cloud(seen())))
     return folder
+
+
+def ran(folder, bench, *more):
+    """The JSON of ``plogic bench NAME --quick`` on such a folder, and the process."""
+    done = plogic("bench", bench, "--quick", "--json", "--kb", "kbs", *more, cwd=folder, PLOGIC_PHOTOS="photos")
+    assert "Traceback" not in done.stderr
+    return json.loads(done.stdout), done

@@ -12,6 +12,7 @@ from plogic.face.shown.options import AS_JSON, SEED, Number, emit, say
 SIZED = (
     "watch",
     "photos",
+    "support",
     "places",
     "sizes",
     "scale",
@@ -26,11 +27,11 @@ COMPARED = "towers", "worlds", "programs", "recognition", "box", "clutter", "man
 BENCHES = *COMPARED, *SIZED
 OWN = {
     "picture": (("box", "calibration"), "--picture: `{}` draws none; `box` and `calibration` do"),
-    "pictures": (("photos",), "--pictures: `{}` draws none; `photos` does"),
+    "pictures": (("photos", "support"), "--pictures: `{}` draws none; `photos` and `support` do"),
     "peer": (("start",), "--peer: `{}` has none of this kind; `start` has"),
-    "kb": (("photos",), "--kb: `{}` learns its own; `photos` takes one"),
+    "kb": (("photos", "support"), "--kb: `{}` learns its own; `photos` and `support` take one"),
     "part": (("photos",), "--simulated, --without: `{}` has no such parts; `photos` has"),
-    "count": (("photos",), "--count: `{}` has no such pictures; `photos` has"),
+    "count": (("photos", "support"), "--count: `{}` has no such pictures; `photos` and `support` have"),
 }
 """Options that some benchmarks alone take: which, and what is said to others."""
 
@@ -58,7 +59,7 @@ OWN = {
 @click.option(
     "--pictures",
     type=click.Path(path_type=Path, file_okay=False),
-    help="Folder for a picture of each of the `photos`: what is accepted, the truth, and how far apart they are.",
+    help="Folder for a picture of each of the `photos`, or scenes of `support`: what is accepted beside the truth.",
 )
 @click.option(
     "--peer",
@@ -68,7 +69,7 @@ OWN = {
 @click.option(
     "--kb",
     type=click.Path(path_type=Path, file_okay=False),
-    help="Folder of the KBs of `photos`, named `ycb` and `lmo`: what is not there is learned into it.",
+    help="Folder of the KBs of `photos` and `support`, named `ycb` and `lmo`: what is not there is learned into it.",
 )
 @click.option(
     "--simulated", "part", flag_value="simulated", help="Of `photos`: rendered pictures with the troubles of photos."
@@ -79,7 +80,11 @@ OWN = {
     flag_value="without",
     help="Of `photos`: each type left out, and what is accepted in its place.",
 )
-@click.option("--count", type=click.IntRange(1), help="Pictures of `photos --simulated`; 100, with --quick 12.")
+@click.option(
+    "--count",
+    type=click.IntRange(1),
+    help="Pictures of `photos --simulated`: 100, with --quick 12; scenes of `support`: 200, with --quick 12.",
+)
 @click.option("--seed", type=SEED, default=0, show_default=True)
 @AS_JSON
 def bench(name: str, scenes: int, limit: float, seed: int, *, quick: bool, as_json: bool, **own: Any) -> None:  # noqa: ANN401 - options of single benchmarks
@@ -89,13 +94,13 @@ def bench(name: str, scenes: int, limit: float, seed: int, *, quick: bool, as_js
     for option, (some, why) in OWN.items():
         if own[option] is not None and name not in some:
             raise click.UsageError(why.format(name))
-    if own["count"] is not None and own["part"] != "simulated":
+    if own["count"] is not None and name == "photos" and own["part"] != "simulated":
         raise click.UsageError("--count: pictures are counted with --simulated")
     pictured, sized = {"quick": quick, "picture": own["picture"]}, {"quick": quick}
     others: dict[str, dict[str, Any]] = {"towers": {"scenes": scenes}, "box": pictured, "calibration": pictured}
     others |= dict.fromkeys(SIZED, sized)
-    photos = {option: own[option] for option in ("pictures", "kb", "part", "count")}
-    others |= {"start": sized | {"peer": own["peer"]}, "photos": sized | photos}
+    drawn = sized | {option: own[option] for option in ("pictures", "kb", "count")}
+    others |= {"start": sized | {"peer": own["peer"]}, "photos": drawn | {"part": own["part"]}, "support": drawn}
     options: dict[str, Any] = others.get(name, {"limit": limit, "quick": quick})
     text, met = import_module(f"benchmarks.{name.replace('-', '_')}.bench").run(
         seed=seed, **options, as_json=as_json, say=say

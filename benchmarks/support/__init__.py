@@ -1,0 +1,1 @@
+"""What things stand on, in rendered scenes whose planes and stances are known: ``plogic bench support``."""
