@@ -5,7 +5,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
@@ -17,8 +17,6 @@ if TYPE_CHECKING:
     from benchmarks.support.arranged import Kind
     from plogic.facts.document import Interpretation
 
-PLANES = "support_planes"
-"""Key of an interpretation; without it nothing is said of support."""
 GOALS = "stands_on(H, X)", "rests_on(H, X)", "free(H)"
 
 
@@ -55,7 +53,7 @@ def said_of(document: Interpretation) -> Said | None:
     from plogic.face.python.interpretation import Interpretation as Asked
     from plogic.face.python.sessions import Session
 
-    rows: list[dict[str, Any]] | None = document.get(PLANES)  # type: ignore[assignment]
+    rows = document.get("support_planes")
     if rows is None:
         return None
     with Session(Asked(document)) as session:

@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from standing_towers import standing_towers
 
 from benchmarks.photos.answers import Shown
 from benchmarks.photos.score import Counts, Posed, Told
@@ -121,39 +122,20 @@ def test_nothing_is_judged_of_a_document_that_says_nothing(monkeypatch):
     assert bars["plane first"].document()["value"] is None
 
 
-def test_a_document_is_asked_for_planes_and_stances(monkeypatch):
-    class Row:
-        def __init__(self, bindings, probability):
-            self.bindings, self.probability = bindings, probability
-
-    class Session:
-        def __init__(self, about):
-            pass
-
-        def __enter__(self):
-            return self
-
-        def __exit__(self, *_):
-            pass
-
-        def ask(self, goal):
-            told = {
-                "stands_on(H, X)": [Row({"H": "h1", "X": "s1"}, 0.9)],
-                "rests_on(H, X)": [Row({"H": "h2", "X": "h1"}, 0.7)],
-                "free(H)": [Row({"H": "h3"}, 0.8)],
-            }
-            return type("Answers", (), {"rows": told[goal]})
-
-    monkeypatch.setattr("plogic.face.python.sessions.Session", Session)
-    rows = [
-        {"name": "s2", "plane": {"normal": [0, -1, 0], "offset": -0.5}, "probability": 0.2},
-        {"name": "s1", "plane": {"normal": [0, 0, -1], "offset": -1.0}, "probability": 0.7},
-    ]
-    said = said_of({"support_planes": rows})
+def test_a_document_is_asked_for_planes_and_stances():
+    _, ranking, document = standing_towers("posterior")
+    said = said_of(document)
     assert list(said.planes) == ["s1", "s2"]
-    assert said.planes["s1"].height(np.array([0.0, 0.0, 1.0])) == 0.0
-    assert (said.stands, said.rests, said.free) == ({("h1", "s1"): 0.9}, {("h2", "h1"): 0.7}, {"h3": 0.8})
-    assert said.kind("h2") == ("stacked", "h1")
+    assert said.planes["s1"].height(np.array([0.0, 0.0, 1.25 / 0.6])) == pytest.approx(0.0)
+    rows = {h["id"]: h for h in document["hypotheses"] if h["status"] != "rejected"}
+    for name, h in rows.items():
+        assert said.free.get(name, 0.0) == pytest.approx(h["free"], abs=1e-9)
+        for on in ("s1", "s2", "h1"):
+            told = sum(s["probability"] for s in h["stances"] if s["on"] == on)
+            asked = (said.rests if on == "h1" else said.stands).get((name, on), 0.0)
+            assert asked == pytest.approx(told, abs=1e-9)
+    assert said.kind("h1") == said.kind("h2") == ("standing", "s1")
+    assert said.stood("h1")[0] <= ranking.marginals["h1"] + 1e-9
 
 
 def thing(group, how, depth=None, kind="standing"):
