@@ -96,8 +96,10 @@ def terms(situation: Situation) -> Iterator[Term]:
     both = np.array([[1.0, 1.0], [1.0, 0.0]])
     pairs = situation.overlaps | (situation.exclusive if situation.reading == "score" else frozenset())
     yield from ((pair, both) for pair in sorted(pairs))
-    if situation.gravity is not None:
-        raise SituationError("gravity: the families say nothing of it, and this oracle knows nothing of it")
+    if situation.gravity is not None or situation.support is not None:
+        raise SituationError(
+            "gravity, support: the families say nothing of them, and this oracle knows nothing of them"
+        )
 
 
 def _posterior(situation: Situation) -> Iterator[Term]:

@@ -50,7 +50,8 @@ class Stance:
     """One way of standing: ``hypothesis`` stands on a plane, or on another hypothesis, by name.
 
     ``face`` says which of its type's stable poses. ``chance`` is the prior chance of this way given that what it stands
-    on is there. ``log_ratio`` is ln ρ: how much better the pose fits this way than that of a free body.
+    on is there. ``log_ratio`` is ln ρ, from -600 to 600: how much better the pose fits this way than that of a free
+    body. A way that the pose does not fit at all need not be told.
     """
 
     hypothesis: str

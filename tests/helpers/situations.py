@@ -199,7 +199,7 @@ def plane(name, prior, **changes):
 
 def shares(rng, count):
     """So many shares of 1, and at times 0 of what is left."""
-    weights = [rng.choice([0.0, 0.05, 0.3, 1.0]) for _ in range(count)] + [rng.choice([0.0, 0.1, 0.5])]
+    weights = [rng.choice([0.0, 0.1, 0.3, 0.5, 1.0]) for _ in range(count)] + [rng.choice([0.0, 0.1, 0.5])]
     return [w / (sum(weights) or 1.0) for w in weights[:count]]
 
 
@@ -208,16 +208,22 @@ def with_support(subject, seed, most=4):
     rng = Random(seed)  # noqa: S311 - a test's
     *priors, none = shares(rng, rng.randint(0, most) + 1)
     planes = tuple(plane(f"s{i}", prior) for i, prior in enumerate(priors, 1))
-    rests = rng.choice([0.0, 0.3, 0.9, 0.95, 1.0])
+    rests = rng.choice([0.0, 0.3, 0.9, 0.9, 0.95, 1.0])
     ids = [h.id for h in subject.hypotheses]
     order = rng.sample(ids, len(ids))
     stances = []
     for i, name in enumerate(order):
-        below = [(x, rng.randint(0, 2)) for x in order[:i] if rng.random() < 0.4]
-        here = {p.name: [(p.name, face) for face in range(rng.randint(0, 2))] for p in planes if rng.random() < 0.7}
+        below = [(x, rng.randint(0, 2)) for x in order[:i] if rng.random() < 0.7]
+        here = {p.name: [(p.name, face) for face in range(rng.randint(1, 2))] for p in planes if rng.random() < 0.7}
         for ways in (below, *here.values()):  # at most half of the chances on others, half on any plane
             stances += [
-                Stance(name, on, face, 0.5 * rests * share, rng.choice([0.0, rng.uniform(-9.0, 6.0), -40.0]))
+                Stance(
+                    name,
+                    on,
+                    face,
+                    0.5 * rests * share,
+                    rng.choice([0.0, *(rng.uniform(-4.0, 6.0) for _ in range(3)), -40.0]),
+                )
                 for (on, face), share in zip(ways, shares(rng, len(ways)), strict=True)
             ]
     return replace(subject, support=Support(rests, none, planes, tuple(stances)))

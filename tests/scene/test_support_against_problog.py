@@ -13,7 +13,7 @@ import pytest
 from enumeration import log_weights
 from hypothesis import HealthCheck, Phase, given, settings
 from hypothesis import strategies as st
-from situations import feature, hypothesis, plane, random_situations, situation, with_pixels, with_support
+from situations import feature, hypothesis, plane, random_situations, situation, with_gravity, with_pixels, with_support
 from stock_worlds import evaluated
 
 from plogic.base.errors import InconsistentError, SituationError
@@ -56,21 +56,52 @@ def by_hand(subject):
 GOALS = "present(X)", "support_plane(S)", "stands_on(H, S)", "rests_on(H, X)", "held(H)", "free(H)"
 
 
-@settings(QUICK, max_examples=200)
-@given(random_situations(most=4), SEEDS)
-def test_two_hundred_situations_equal_problog(subject, seed):
+def assert_same_answers(subject, goals):
+    """Stock ProbLog's answers to goals are the factor graph's, or neither knows a possible world."""
     from problog.errors import InconsistentEvidenceError
 
-    subject = with_support(subject, seed)
     try:
-        theirs = stock(subject, GOALS)
+        theirs = stock(subject, goals)
     except InconsistentEvidenceError:
         with pytest.raises(InconsistentError):
             ranked_worlds(subject)
         return
-    ours = {answer.goal: answer.probability for answers in scene_answers(subject, GOALS) for answer in answers}
+    ours = {answer.goal: answer.probability for answers in scene_answers(subject, goals) for answer in answers}
     both = dict.fromkeys([*ours, *theirs], 0.0)
     assert both | ours == pytest.approx(both | theirs, abs=1e-9)
+
+
+@pytest.mark.parametrize("reading", ["score", "posterior"])
+@settings(QUICK, max_examples=200)
+@given(random_situations(most=4), SEEDS)
+def test_two_hundred_situations_equal_problog(reading, subject, seed):
+    assert_same_answers(with_support(replace(subject, reading=reading), seed), GOALS)
+
+
+@QUICK
+@given(random_situations(most=3), SEEDS)
+def test_gravity_and_support_together_equal_problog(subject, seed):
+    """What floats and needs an excuse is what touches nothing; what is held may stand on a plane."""
+    subject = with_gravity(with_support(subject, seed), seed)
+    assert_same_answers(subject, ("present(X)", "floats(H)", "held(H)", "rests_on(H, X)"))
+    assert worlds_of(subject) == pytest.approx(by_hand(subject), abs=1e-9)
+
+
+RULES = (
+    "constraint(nothing_hovers) :- free(H).",
+    "evidence(steady).\nsteady :- stands_on(H, S).\nsteady :- \\+ present(h1).",
+    "0.3::constraint_may_fail(same_plane).\nconstraint(same_plane) :- support_plane(s2).",
+    "0.7::wobbly(H) :- rests_on(H, X), X \\= ground.\nconstraint(calm) :- wobbly(H), stance(H, _, 0).",
+)
+
+
+@pytest.mark.parametrize("rules", RULES)
+@settings(QUICK, max_examples=15)
+@given(random_situations(most=3), SEEDS)
+def test_rules_of_the_author_speak_of_it_as_in_problog(rules, subject, seed):
+    assert_same_answers(
+        replace(with_support(subject, seed), rules=rules), ("present(X)", "support_plane(S)", "free(H)")
+    )
 
 
 def worlds_of(subject):
@@ -106,6 +137,17 @@ def test_in_the_score_reading_nobody_is_more_or_less_probable(subject, seed):
         planes = {p.name: p.prior for p in told.support.planes if p.prior > 0.0}
         found = {a.goal: a.probability for a in scene_answers(told, ["support_plane(S)"])[0]}
         assert found == pytest.approx({f"support_plane({name})": p for name, p in planes.items()})
+
+
+@QUICK
+@given(random_situations(most=5), SEEDS)
+def test_how_many_there_are_is_counted_with_it(subject, seed):
+    subject = with_support(subject, seed)
+    if worlds := by_hand(subject):
+        found = {a.goal: a.probability for a in scene_answers(subject, ["number_of_objects(N)"])[0]}
+        numbers = {len(world) for world in worlds}
+        expected = {n: sum(p for world, p in worlds.items() if len(world) == n) for n in numbers}
+        assert found == pytest.approx({f"number_of_objects({n})": p for n, p in expected.items() if p > 0}, abs=1e-9)
 
 
 NOTHING_SAID = Support(0.9, 1.0, (plane("s1", 0.0),), (Stance("h1", "s1", 0, 0.9, 5.0),))
