@@ -217,9 +217,9 @@ def test_without_physics_it_is_said(monkeypatch):
         ({}, "stands"),
         ({"slid": 0.06}, "slides"),
         ({"slid": 0.06, "tilted": 0.5}, "tips"),
-        ({"slid": 0.06, "tilted": 0.5, "fell": 0.03}, "falls"),
+        ({"slid": 0.06, "tilted": 0.5, "fell": 0.035}, "falls"),
         ({"slid": 0.06, "tilted": 0.5, "fell": 0.06, "pushed": 0.06}, "pushed out"),
-        ({"slid": 0.04, "tilted": 0.25, "fell": 0.02, "pushed": 0.04}, "stands"),
+        ({"slid": 0.04, "tilted": 0.25, "fell": 0.025, "pushed": 0.04}, "stands"),
     ],
 )
 def test_verdicts_are_by_the_first_way_that_is_too_far(moves, verdict):

@@ -20,7 +20,7 @@ LEGEND = (
     "moved    how far its middle of mass is from where it was",
     "pushed   of that, how far it was moved out of others and the floor before it was let go",
     "fell     how much lower its lowest place is since then; slid: how far its middle went level; tilted: by how much",
-    "allowed  5 mm + 2 % of its distance from the camera: who is moved by less, sinks by less than half of it, and tilts",
+    "allowed  5 mm + 2 % of its distance from the camera: who is moved by less, sinks by less than 60 % of it, and tilts",
     "         by less than 15 degrees, stands",
 )
 
