@@ -25,6 +25,9 @@ WHOSE = {
     "case/3": (0,),
     "ev/2": (0,),
     "part/2": (1,),
+    "stands_on/2": (0,),
+    "stance/3": (0,),
+    "rests_on/2": (0,),
 }
 """Predicates that speak of the hypothesis at this place, whatever stands at their other places."""
 
