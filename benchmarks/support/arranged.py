@@ -4,7 +4,8 @@
 * ``Put``: a solid at its place, world frame (z up, the table at z = 0)
 
 None reach into each other. Two of them are apart seen from above, or in height, or a plane lies between their hulls:
-the top of the lower one of a stack, or that at which one leans on the other.
+the top of the lower one of a stack, or that at which one leans on the other. Where there is physics, what rests stays
+where it is.
 """
 
 from __future__ import annotations
@@ -18,6 +19,8 @@ import numpy as np
 from benchmarks.support.solids import Solid, holds, until_touching
 from geometry.frames import transform_points
 from sensing.simulated.body import Body
+from sensing.simulated.physics import has_physics
+from sensing.simulated.settling import Loose, let_go
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence
@@ -44,6 +47,8 @@ LEAN = np.radians([15.0, 50.0])
 """How far what leans is turned from a pose in which it stands."""
 ASTRAY = np.radians(10.0)
 """By how much, at least, what leans is turned from all such poses."""
+STILL = 0.005
+"""Metres that physics may move what rests in two seconds."""
 BACK = 0.0002
 """Metres between what leans and what it leans on."""
 
@@ -119,6 +124,23 @@ def put_together(
             return None
         placed.append(found)
     return placed
+
+
+def stays(placed: Sequence[Put]) -> bool:
+    """Whether physics leaves all that rests where it is, what is free being held; unasked where there is none."""
+    if not has_physics():
+        return True
+    names = [f"{i:02d}" for i in range(len(placed))]
+    fates = let_go(
+        [
+            Loose(name, (put.solid.corners,), put.pose, put.stance.kind == "free")
+            for name, put in zip(names, placed, strict=True)
+        ]
+    )
+    return all(
+        np.linalg.norm(put.solid.middle_at(fates[name].after) - put.middle) <= STILL
+        for name, put in zip(names, placed, strict=True)
+    )
 
 
 def _tried(

@@ -18,7 +18,7 @@ from benchmarks.photos.scenes import FLOORS, troubled
 from benchmarks.photos.score import Posed
 from benchmarks.recognition.scenes import HARD
 from benchmarks.recognition.score import HALF
-from benchmarks.support.arranged import Put, Stance, kinds_of, put_together
+from benchmarks.support.arranged import Put, Stance, kinds_of, put_together, stays
 from benchmarks.support.solids import Solid
 from benchmarks.tabletop.patterns import pattern, random_package
 from benchmarks.tabletop.rgbd_sensor import random_sensor
@@ -110,7 +110,7 @@ def support_scene(groups: Sequence[Sequence[Solid]], seed: int, turn: int) -> Su
         things = list(zip(_chosen(groups, number, rng), kinds, strict=True))
         placed = put_together(things, packages, rng, float(rng.uniform(*SPREAD)))
         found = viewed([put.body for put in placed], rng, wanted, seen=(HALF, 1.0)) if placed else None
-        if placed and found and TILTS[0] <= tilt(found[0]) <= TILTS[1]:
+        if placed and found and TILTS[0] <= tilt(found[0]) <= TILTS[1] and stays(placed):
             return _scene(placed, number, found, rng, hard)
     raise SceneError(f"seed {seed}: no scene of {number} things was found in {ATTEMPTS} arrangements")
 

@@ -12,7 +12,7 @@ from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 from scipy.optimize import linprog
 
-from benchmarks.support.arranged import ASTRAY, FREE, HELD, STACKED, kinds_of, put_together
+from benchmarks.support.arranged import ASTRAY, FREE, HELD, STACKED, Put, Stance, kinds_of, put_together, stays
 from benchmarks.support.scenes import TILTS, WANTED, pictures_of, support_scene, tilt
 from benchmarks.support.score import feet
 from benchmarks.support.solids import FIRMLY, Solid, until_touching
@@ -22,6 +22,7 @@ from geometry.bodies.resting import resting_faces
 from geometry.frames import is_rigid, transform_points
 from sensing.errors import SceneError
 from sensing.simulated.body import TexturedMesh
+from sensing.simulated.physics import has_physics
 
 SEEDS = st.integers(0, 2**31)
 SIZES = (0.12, 0.09, 0.05), (0.07, 0.06, 0.16), (0.1, 0.05, 0.12), (0.06, 0.06, 0.06)
@@ -125,6 +126,22 @@ def test_a_hollow_and_a_narrow_top_carry_nothing():
     lying = Solid(None, printed_can(0.034, 0.1, rng))
     assert lying.top(np.eye(4)) is not None
     assert lying.top(lying.stood(lying.down[:, 2].__abs__().argmin(), np.array([0.0, 0.0, 1.0]), 0.3)) is None
+
+
+@pytest.mark.skipif(not has_physics(), reason="pybullet has no wheel here")
+def test_what_overhangs_does_not_stay():
+    def stacked(aside):
+        lower, upper = solids()[3], solids()[2]
+        poses = np.stack([np.eye(4), np.eye(4)])
+        poses[1, :3, 3] = aside, 0.0, 0.06
+        return [Put(lower, poses[0], Stance("standing")), Put(upper, poses[1], Stance("stacked", 0))]
+
+    assert stays(stacked(0.02))
+    assert not stays(stacked(0.035))
+    held = [
+        one if one.stance.kind == "standing" else Put(one.solid, one.pose, Stance("free")) for one in stacked(0.035)
+    ]
+    assert stays(held)
 
 
 def test_a_quarter_is_stacked_and_fifteen_in_a_hundred_are_free():
