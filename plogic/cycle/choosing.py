@@ -116,7 +116,7 @@ def separated(task: Task, start: Stable, through: Collection[tuple[int, int]] = 
             others = [other for other in some if other is not hypothesis]
             hidden, left = hidden_among(hypothesis, others), free(task, others)
             moved = task.models[hypothesis.type].settle(pose, task.data, task.kb, free=left, hidden=hidden, rounds=0)
-            some[k] = moved.told(**hypothesis.verdict(), pixels=hypothesis.pixels)
+            some[k] = moved.told(**hypothesis.verdict(), **hypothesis.beyond())
             steps.append(Step("move", "a little, so that it does not reach into what it touches (A4)", hypothesis.type))
     return Stable(start.of, tuple(some), tuple(rejected), tuple(steps))
 

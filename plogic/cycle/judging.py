@@ -51,9 +51,9 @@ def judge(
     if rounds or anew:
         left = free(task, beside) if left is None else left
         start = proposed if rounds else proposed.camera_from_object
-        pixels = proposed.pixels
+        beyond = proposed.beyond()
         proposed = task.models[proposed.type].settle(start, task.data, task.kb, free=left, hidden=hidden, rounds=rounds)
-        proposed = task.models[proposed.type].beside(proposed.told(pixels=pixels), beside, task.data)
+        proposed = task.models[proposed.type].beside(proposed.told(**beyond), beside, task.data)
     return judged_alone(proposed, task.data, task.kb, task.dv, hidden_among(proposed, beside) if rounds else hidden)
 
 
@@ -242,5 +242,5 @@ def _beside(task: Task, hypothesis: Hypothesis, pose: Floats, others: Sequence[H
     posed = task.models[hypothesis.type].settle(
         pose, task.data, task.kb, free=free(task, others), hidden=hidden, rounds=rounds
     )
-    posed = task.models[posed.type].beside(posed.told(pixels=hypothesis.pixels), others, task.data)
+    posed = task.models[posed.type].beside(posed.told(**hypothesis.beyond()), others, task.data)
     return judged_alone(posed, task.data, task.kb, task.dv, hidden_among(posed, others))

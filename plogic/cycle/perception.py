@@ -21,7 +21,7 @@ from plogic.base.clock import OutOfTimeError
 from plogic.cycle.choosing import Choice, acceptance, accepted, best_first, chosen, concluded, exchanged, glance, kept
 from plogic.cycle.judging import compared, judge, judged, left_over, making_way, refusal, set_aside
 from plogic.cycle.state import Attention, Cycle, State, Step, Task, Trace, among, considered, free, step_of
-from plogic.cycle.support import supported
+from plogic.cycle.support import leaning, standing
 from plogic.facts.hypothesis import Hypothesis
 from plogic.match.judged.rivals import EVEN, claims, hidden_among
 from plogic.match.judged.type_models import Given, TypeModel
@@ -201,7 +201,7 @@ def match_and_choose(task: Task, state: State, choose: Choice) -> Iterator[State
     """
     for wave in waves(task, state):
         old, turns = {id(proposal.hypothesis) for proposal in state.proposals}, state.turns
-        yield (state := judged(task, matched(task, state, wave)))
+        yield (state := leaning(task, judged(task, matched(task, state, wave))))
         best = sorted(state.proposals, key=lambda p: -round(p.hypothesis.worth, EVEN))
         most = max(POOL, POOL_OF_TYPE * len(task.models))
         passed = tuple(proposal.hypothesis.bare() for proposal in best[most:])
@@ -255,13 +255,13 @@ def worth_trying(task: Task, state: State) -> dict[str, Mask]:
 
 
 def stand_on_planes(task: Task, state: State, _: Choice) -> Iterator[State]:
-    """Propose what may stand where accepted objects do, where gravity holds and more were accepted since."""
-    if not task.kb.gravity or state.stood_on == len(state.accepted):
+    """Propose what may stand on likely planes, where things rest and more were accepted since."""
+    if task.kb.rests is None or state.stood_on == len(state.accepted):
         return
-    given, left = _given(task, state, []), task.data.only(free(task, state.accepted))
-    found, why = supported(state.accepted, task.models, left, given, task.request)
+    state = leaning(task, state)
+    found, said = standing(task, state, task.data.only(free(task, state.accepted)), _given(task, state, []))
     state = replace(state.proposes(found), stood_on=len(state.accepted), turns=state.turns + bool(found))
-    yield state if why is None else state.tells(Step("support", why))
+    yield leaning(task, judged(task, state)).tells(*(Step("support", why) for why in said))
 
 
 def deepen(task: Task, state: State, _: Choice) -> Iterator[State]:
@@ -282,7 +282,7 @@ def release(task: Task, state: State, _: Choice) -> Iterator[State]:
             rejected=(*state.rejected, *lost),
             refused=(*state.refused, *lost),
             proposals=tuple(proposal._replace(beside=None) for proposal in state.proposals),
-            stood_on=0,
+            stood_on=-1,
             turns=state.turns + 1,
         ).tells(*state.stable.steps)
         yield kept(task, state)

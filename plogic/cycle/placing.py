@@ -69,7 +69,7 @@ def space_of_view(
 ) -> Space:
     """Of Δh, its hypotheses by id; ``overlaps``: the pairs that A4 excludes from one world."""
     placed = {name: _placed(name, belief) for name, belief in beliefs.items()}
-    up, up_from = upward(beliefs.values(), camera, models, gravity=kb.gravity)
+    up, up_from = upward(beliefs.values(), camera, models, kb.rests if kb.gravity else None)
     apart = {frozenset(pair) for pair in overlaps}
     pairs = [
         (x, y) for x, y in combinations(list(placed.values())[:MOST], 2) if frozenset((x.name, y.name)) not in apart
@@ -88,15 +88,15 @@ def space_of_view(
 
 
 def upward(
-    beliefs: Iterable[Hypothesis], camera: Camera, models: Mapping[str, TypeModel], *, gravity: bool
+    beliefs: Iterable[Hypothesis], camera: Camera, models: Mapping[str, TypeModel], rests: float | None
 ) -> tuple[Floats | None, str]:
     """The unit vector (3,), camera frame, against gravity, and what says so; None and '' where nothing does."""
     if camera.world_from_camera is not None:
         return np.asarray(camera.world_from_camera[2, :3]), "T_world_camera"
-    if not gravity or not models:
+    if rests is None or not models:
         return None, ""
     accepted = [belief for belief in beliefs if belief.status == "accepted"]
-    support = support_of([(models[b.type], b.camera_from_object) for b in accepted])
+    support = support_of(accepted, models, rests)
     return (None, "") if support is None else (support.plane.up, "support plane")
 
 

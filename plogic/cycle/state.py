@@ -20,6 +20,7 @@ import numpy as np
 from geometry.arrays import Mask
 from kb.clouds.cloud import KnowledgeBase
 from plogic.base.clock import Deadline
+from plogic.cycle.planes import Supported
 from plogic.facts.document import StepRow
 from plogic.facts.hypothesis import Hypothesis
 from plogic.match.gamma.data import Data
@@ -166,7 +167,8 @@ class State:
     ``accepted`` is Δi in the order of acceptance. ``proposals`` are those of all types that are judged again each
     round; ``passed`` those that were of too little worth for that, without their arrays. ``rivals``, ``rejected``: what
     was told of the others. ``refused`` was accepted once, and did not hold. ``stable`` is Δi made stable.
-    ``stood_on``: of how many accepted ones it was asked what stands on their plane. ``turns``: how often something
+    ``supported``: the planes that things may stand on, where they rest; ``stood_on``: how many were accepted when it
+    was asked last what else stands there. ``turns``: how often something
     gave reason to go round again; ``tried``: the types that were searched for, and after how many turns last.
     """
 
@@ -178,7 +180,8 @@ class State:
     rejected: tuple[Hypothesis, ...] = ()
     refused: tuple[Hypothesis, ...] = ()
     stable: Stable = field(default_factory=Stable)
-    stood_on: int = 0
+    supported: Supported | None = None
+    stood_on: int = -1
     turns: int = 0
     tried: Mapping[str, int] = field(default_factory=dict)
     steps: tuple[Step, ...] = ()

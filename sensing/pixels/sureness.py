@@ -26,6 +26,7 @@ from sensing.pixels.refine import (
     COARSE,
     FINE,
     FIRST,
+    INDEPENDENT,
     different,
     exact,
     far,
@@ -39,9 +40,6 @@ from sensing.pixels.refine import (
 
 RADIUS = 0.1
 """Diameters: mean distance of the surface's places (ADD) within which a pose is right."""
-INDEPENDENT = 2.0
-"""What Gauss-Newton's normal matrix tells, in independent measurements: from here on the calibration error on simulated
-photos hardly falls (``python benchmarks/pose_odds.py KB DATASET``)."""
 INEXACT = 1.0
 """Standard deviation of the distance, as a share, for the share of its size by which edges are off the outline. Of 0,
 0.5, 1, 1.5, 2 the one of the least log loss on the simulated photos that calibrate, and on real ones (the same
@@ -85,9 +83,9 @@ def alternatives(
     if small is None or large is None:
         return []
     coarse = [settled(small, paint, some, [FIRST]) for some in starts_about(pose, paint)]
-    found, trust = ordered(coarse, fits_of(small, paint, coarse))
+    found, trust = ordered(coarse, fits_of(small, paint, coarse), paint)
     coarse = different([settled(small, paint, some, far(trust)) for some, _ in found], paint)
-    found, trust = ordered(coarse, fits_of(small, paint, coarse))
+    found, trust = ordered(coarse, fits_of(small, paint, coarse), paint)
     likely = [some for some, score in found if score >= found[0][1] - UNLIKELY]
     poses = different([pose, *(settled(large, paint, some, exact(trust)) for some in likely)], paint)
     known = [(some, normal(large, paint, some, exact(trust)[-1])) for some in poses]

@@ -162,6 +162,26 @@ def score(stack: Any, views: Any, row: Any, scale: float, power: float) -> float
 
 
 @njit(cache=True)
+def laid_down(
+    stack: Any, views: Any, places: Any, block: Any, which: Any, turned: Any, scale: float, power: float
+) -> Any:
+    """The best score at each of places (P, 3), x, y and a size, over turns, and which turn has it, (P,) both.
+
+    In the ``block`` (P,) of a place, turn t shows the view ``which`` (B, T), turned by ``turned`` (B, T).
+    """
+    best, turn = np.full(len(places), -np.inf), np.zeros(len(places), np.int64)
+    row = np.zeros(6)
+    for p in range(len(places)):
+        row[2], row[3], row[4] = places[p, 2], places[p, 0], places[p, 1]
+        for t in range(which.shape[1]):
+            row[0], row[1] = which[block[p], t], turned[block[p], t]
+            value = score(stack, views, row, scale, power)
+            if value > best[p]:
+                best[p], turn[p] = value, t
+    return best, turn
+
+
+@njit(cache=True)
 def in_view(turn: float, here: Any, there: Any) -> float:
     """The turn with which a view ``there`` (3, 3) is nearest to one ``here`` of a turn."""
     rest = here @ there.T

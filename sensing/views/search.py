@@ -50,10 +50,10 @@ def searched(photo: PhotoMaps, camera: Camera, body: Body, most: int) -> tuple[F
     """Poses (N, 4, 4) of a type and their scores (N,), the best first, at most ``most``."""
     views, maps = body.views, TypeMaps(photo, body.views)
     seeds = everywhere(maps, views)
-    turns = _turns(seeds, views)
+    turns = turns_of(seeds, views)
     kept = apart(seeds[:, 2:5], turns, SEEDS, *ALIKE_COARSE)
     rows = climbing(maps, views, seeds[kept])
-    turns = _turns(rows, views)
+    turns = turns_of(rows, views)
     kept = apart(rows[:, 2:5], turns, most, *ALIKE)
     return posed(rows[kept], turns[kept], camera, body), rows[kept, 5]
 
@@ -124,7 +124,7 @@ def spread_over(ways: Floats, most: int) -> Indices:
     return np.array(kept)
 
 
-def _turns(rows: Floats, views: Views) -> Floats:
+def turns_of(rows: Floats, views: Views) -> Floats:
     """(N, 3, 3) from the object to a camera that looks along the line of sight."""
     c, s, zero = np.cos(rows[:, 1]), np.sin(rows[:, 1]), np.zeros(len(rows))
     about = np.stack([c, -s, zero, s, c, zero, zero, zero, zero + 1.0], axis=1).reshape(-1, 3, 3)

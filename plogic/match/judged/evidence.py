@@ -241,11 +241,12 @@ def evidence(posed: Hypothesis, data: Data, kb: KnowledgeBase, hidden: Mask | No
     )
     ratio = float(gain.sum() + (shares * np.log(1.0 - hit))[expected & ~posed.detected].sum())
     if posed.hit is None and posed.axes is None:
+        ratio += posed.stance
         return Evidence(ratio, ratio - float(np.sort(gain)[-FIXED_BY:].sum()))
     if posed.hit is not None:
         ratio += CLEAR * float(np.sum([np.log(clarity(posed, hidden, kind)) for kind in kinds(posed)]))
     owed = _owed(posed, found, data, kb)
-    told = _by_pixels(posed, ratio + owed)
+    told = _by_pixels(posed, ratio + owed) + posed.stance
     return Evidence(ratio + told, ratio + owed + told)
 
 
@@ -268,7 +269,7 @@ def as_fitted(posed: Hypothesis, data: Data, kb: KnowledgeBase, hidden: Mask | N
         better = np.log1p(h * near[found] / missed)
         more = _owed(posed, found, data, kb)
         if posed.pixels is not None:
-            more += _waived(evidence(posed.told(pixels=None), data, kb, hidden).surplus)
+            more += _waived(evidence(posed.told(pixels=None, stance=0.0), data, kb, hidden).surplus)
         kept = max(LEAST, 1.0 + more / max(float(better.sum()), LEAST))
         near[found] = np.expm1(kept * better) * missed / h
     return hit, near

@@ -15,7 +15,8 @@ from pathlib import Path
 from typing import ClassVar, NamedTuple, Protocol, TypeAlias
 
 from geometry.arrays import Floats, Indices, Mask
-from geometry.bodies.resting import Plane, RestingFaces
+from geometry.bodies.resting import RestingFaces
+from geometry.bodies.standing import Known
 from kb.clouds.cloud import KnowledgeBase, ObjectType
 from plogic.base.clock import unhurried
 from plogic.facts.hypothesis import Hypothesis
@@ -175,6 +176,10 @@ class Search(Protocol):
         """
         ...
 
+    def standing(self, known: Known, left: Data, given: Given) -> Generator[Found]:  # noqa: ARG002 - not every kind can say
+        """The hypotheses that the free data suggest on a plane, of each type of which none is accepted, best first."""
+        yield from ()
+
     def demanded(self, model: TypeModel, posed: Hypothesis) -> float:
         """The log-likelihood ratio that a hypothesis must exceed in this Γ, beyond what any pose has."""
         return model.significance(posed)
@@ -199,10 +204,6 @@ class TypeModels(Protocol):
     def search(self, request: Request) -> Search:
         """The search in one Γ."""
         ...
-
-    def resting(self, plane: Plane, left: Data, given: Given, request: Request) -> Generator[Found]:  # noqa: ARG002 - not every kind can say
-        """The hypotheses that the free data suggest on a plane, of each type of which none is accepted, best first."""
-        yield from ()
 
     def make_ready(self) -> None:
         """Compute now what is otherwise computed when it is first asked for.

@@ -17,6 +17,7 @@ from numpy.typing import NDArray
 
 from geometry.arrays import Floats, Indices, Mask
 from geometry.bodies.resting import Plane, RestingFaces
+from geometry.bodies.standing import Known, alike
 from kb.clouds.cloud import KnowledgeBase, ObjectType
 from kb.clouds.learned import LearnedCloud
 from kb.clouds.words import POINT, SIDE
@@ -32,7 +33,7 @@ from plogic.match.learned.keypoints import Lexicon, lexicon_of
 from plogic.match.learned.learned_match import ROBUST, matched, pose_of, precision
 from plogic.match.learned.learned_pixels import NO_POSES, hiding, looked_beside, pictured
 from plogic.match.learned.learned_poses import NOBODY, REFINED, VERIFIED, Voted, generate, resting, voted
-from plogic.match.learned.learned_views import PRINTED, SEEN, VIEWS, keypoints_shown, maps_for, seen_anywhere
+from plogic.match.learned.learned_views import PRINTED, SEEN, VIEWS, keypoints_shown, maps_for, seen_anywhere, seen_on
 from plogic.measures.distinctiveness import Kinds, kinds_of, rank_of_kinds
 
 if TYPE_CHECKING:
@@ -278,18 +279,6 @@ class LearnedModels(TypeModels):
         """The search in one Γ, by this process and copies of it."""
         return LearnedSearch(self.models, request)
 
-    def resting(self, plane: Plane, left: Data, given: Given, request: Request) -> Generator[Found]:
-        """The hypotheses of each type that stand on a plane."""
-        taken, before = bodies(self.models, given.accepted), hiding(given.accepted)
-        asked = [index for name, index in sorted(self.models.items()) if not given.count(name)]
-
-        def search(index: LearnedIndex) -> tuple[Found, Floats]:
-            return resting(index, plane, left, request.kb, taken, before), NO_POSES
-
-        with closing(searched(search, asked, left, request.processes)) as searches:
-            for found, _ in searches:
-                yield found
-
     def make_ready(self) -> None:
         """Compute all that the types compute when they are first asked for it."""
         for index in self.models.values():
@@ -303,7 +292,8 @@ class LearnedSearch(Search):
     """The search in what is left of Γ.
 
     ``_searched``: the types searched for before, each with how many of it were accepted then; ``_seen``: the poses that
-    the whole photo suggested of them; ``_odds``: what pixels told at most of each, and ``_demanded`` by that.
+    the whole photo suggested of them; ``_odds``: what pixels told at most of each, and ``_demanded`` by that; ``_stood``: the planes on
+    which each was looked for.
     """
 
     models: Mapping[str, LearnedIndex]
@@ -312,6 +302,7 @@ class LearnedSearch(Search):
     _seen: dict[str, Floats] = field(default_factory=dict)
     _odds: dict[str, float] = field(default_factory=dict)
     _demanded: float = SEEN
+    _stood: dict[str, list[Plane]] = field(default_factory=dict)
 
     @cached_property
     def _voted(self) -> dict[str, Voted]:
@@ -370,6 +361,24 @@ class LearnedSearch(Search):
                 self._searched[name] = given.count(name)
                 if len(self._odds) == len(self.models):
                     self._demanded = demanded(np.array(list(self._odds.values())))
+                yield found
+
+    def standing(self, known: Known, left: Data, given: Given) -> Generator[Found]:
+        """The hypotheses of each type that stand on a plane; of none that was looked for on it before."""
+        taken, before, maps = bodies(self.models, given.accepted), hiding(given.accepted), self._maps
+        asked = [
+            index
+            for name, index in sorted(self.models.items())
+            if not given.count(name) and not any(alike(known.plane, old) for old in self._stood.get(name, ()))
+        ]
+
+        def search(index: LearnedIndex) -> tuple[Found, Floats]:
+            seen = seen_on(index, maps, self.request.data, known.plane)
+            return resting(index, known, left, self.request.kb, taken, before=before, seen=seen), NO_POSES
+
+        with closing(searched(search, asked, left, self.request.processes)) as searches:
+            for index, (found, _) in zip(asked, searches, strict=True):
+                self._stood.setdefault(index.object_type.name, []).append(known.plane)
                 yield found
 
     def demanded(self, model: TypeModel, posed: Hypothesis) -> float:

@@ -24,6 +24,7 @@ from plogic.match.judged.rivals import apart_on_screen, distinct, overlap, same_
 
 if TYPE_CHECKING:
     from geometry.arrays import Floats
+    from geometry.bodies.standing import Contact
     from kb.clouds.cloud import KnowledgeBase
     from plogic.facts.hypothesis import Hypothesis
     from plogic.match.gamma.data import Data
@@ -53,12 +54,14 @@ def by_pixels(
     worth: Floats,
     data: Data,
     kb: KnowledgeBase,
+    *,
     before: Sequence[Before] = (),
     seen: Floats = NO_POSES,
+    contact: Contact | None = None,
 ) -> list[tuple[float, Hypothesis]]:
     """Of refined poses (N, 4, 4), best first, those that the pixels speak for, moved to where these fit best.
 
-    ``seen`` (M, 4, 4): poses that keypoints say nothing of, best first.
+    ``seen`` (M, 4, 4): poses that keypoints say nothing of, best first; ``contact``: what all of them stand on.
     """
     from sensing.pixels.refine import CLOSE, refined
 
@@ -78,11 +81,11 @@ def by_pixels(
             continue
         tried.append((score, pose))
         start = index.settle(pose, data, kb, rounds=2).camera_from_object if matched else pose
-        at = refined(photo, paint, start, before)
+        at = refined(photo, paint, start, before, contact)
         if at is not None and at.hopeless:
             hopeless.append(at)
         elif at is not None:
-            turned = index.plain and at.fit.odds > 0.0
+            turned = index.plain and at.fit.odds > 0.0 and contact is None
             found += _told(index, _of_half_turns(index, at, photo, before) if turned else at, data, kb)
     if not found and hopeless:  # the best of a type is told, whatever it is worth
         found = _told(index, max(hopeless, key=lambda at: at.fit.odds), data, kb)

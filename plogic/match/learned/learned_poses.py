@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
+from geometry.bodies.standing import Contact
 from geometry.frames import least_turns
 from plogic.match.judged.evidence import evidence
 from plogic.match.judged.expectation import FEWEST
@@ -27,6 +28,7 @@ if TYPE_CHECKING:
 
     from geometry.arrays import Floats, Mask
     from geometry.bodies.resting import Plane
+    from geometry.bodies.standing import Known
     from kb.clouds.cloud import KnowledgeBase
     from plogic.facts.hypothesis import Hypothesis
     from plogic.match.gamma.data import Data
@@ -90,7 +92,7 @@ def generate(
     if data.photo is not None and len(poses) + len(seen) and index.paint is not None:
         clear = clear_of(taken, index, poses)
         seen = seen[clear_of(taken, index, seen)]
-        return by_pixels(index, poses[clear], worth[clear], data, kb, before, seen)
+        return by_pixels(index, poses[clear], worth[clear], data, kb, before=before, seen=seen)
     poses = poses[worth >= WORTHLESS] if thin else poses
     return settled_best(index, poses[clear_of(taken, index, poses)], data, kb, width[1])
 
@@ -205,22 +207,40 @@ ROUNDS_RESTING = (
 
 
 def resting(
-    index: LearnedIndex, plane: Plane, data: Data, kb: KnowledgeBase, taken: Floats, before: Sequence[Before] = ()
+    index: LearnedIndex,
+    known: Known,
+    data: Data,
+    kb: KnowledgeBase,
+    taken: Floats,
+    *,
+    before: Sequence[Before] = (),
+    seen: Floats = NO_POSES,
 ) -> list[tuple[float, Hypothesis]]:
     """Γ's poses on the plane, settled and then free to leave it, with log-likelihood ratios, best first.
 
-    ``taken`` (N, 4): middles, camera frame, and inner radii of bodies that stand there already, m.
+    ``taken`` (N, 4): middles, camera frame, and inner radii of bodies that stand there already, m; ``seen`` (M, 4, 4):
+    poses on the plane that the photo suggests otherwise. By pixels they leave it as far as it is not known.
     """
+    best, worth = _rested(index, known.plane, data, kb, taken)
+    if data.photo is not None and index.paint is not None:
+        seen = seen[clear_of(taken, index, seen)]
+        contact = Contact(*known, index.resting)
+        return by_pixels(index, best, worth, data, kb, before=before, seen=seen, contact=contact)
+    return settled_best(index, best[worth >= WORTHLESS], data, kb, VERIFIED_RESTING)
+
+
+def _rested(
+    index: LearnedIndex, plane: Plane, data: Data, kb: KnowledgeBase, taken: Floats
+) -> tuple[Floats, Floats]:
+    """Poses (N, 4, 4) on the plane, refined on it, with their worth (N,), best first."""
     pairs = pairs_of(index, data)
     poses = set_down(index, pairs, plane, data)
     poses = poses[clear_of(taken, index, poses)]
     if not len(poses):
-        return []
+        return NO_POSES, np.zeros(0)
     some = _best(index, poses, _votes(index, poses, pairs, data, VOTE_RESTING), MOST_RESTING)
-    best, worth = refined(index, some, pairs, data, data.camera.f / kb.f_ref, rounds=ROUNDS_RESTING, moves=plane.moves)
-    if data.photo is not None and len(best) and index.paint is not None:
-        return by_pixels(index, best, worth, data, kb, before)
-    return settled_best(index, best[worth >= WORTHLESS], data, kb, VERIFIED_RESTING)
+    granularity = data.camera.f / kb.f_ref
+    return refined(index, some, pairs, data, granularity, rounds=ROUNDS_RESTING, moves=plane.moves)
 
 
 def set_down(index: LearnedIndex, pairs: Pairs, plane: Plane, data: Data) -> Floats:

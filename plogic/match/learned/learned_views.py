@@ -2,7 +2,8 @@
 
 What has print is found by its keypoints, in a fraction of the time.
 
-* ``maps_for``: what all types ask of a photo; ``seen_anywhere``: the poses of a type that it suggests
+* ``maps_for``: what all types ask of a photo; ``seen_anywhere``: the poses of a type that it suggests; ``seen_on``:
+  those on a plane
 """
 
 from __future__ import annotations
@@ -20,6 +21,7 @@ if TYPE_CHECKING:
     from collections.abc import Sequence
 
     from geometry.arrays import Floats
+    from geometry.bodies.resting import Plane
     from kb.clouds.learned import LearnedCloud
     from plogic.match.gamma.data import Data
     from plogic.match.learned.learned_models import LearnedIndex
@@ -77,3 +79,12 @@ def seen_anywhere(index: LearnedIndex, maps: PhotoMaps | None, data: Data) -> Fl
     from sensing.views.search import searched
 
     return searched(maps, data.camera, index.body, PROPOSED)[0]
+
+
+def seen_on(index: LearnedIndex, maps: PhotoMaps | None, data: Data, plane: Plane) -> Floats:
+    """The poses (N, 4, 4) of a type on a plane below the camera that a photo's maps suggest, the best first."""
+    if maps is None or not index.plain or index.body is None:
+        return NO_POSES
+    from sensing.views.standing import stood
+
+    return stood(maps, data.camera, index.body, plane, index.resting, PROPOSED)[0]

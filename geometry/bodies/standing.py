@@ -1,0 +1,175 @@
+"""Support planes: where bodies may stand, the plane that several agree on, and what one tells of it (formalism §9.9).
+
+A body that stands on one of its faces fixes a plane: two tilts, about as well as its own turn is known, and a height at
+its foot, about as well as its distance is. What several bodies tell of one plane is put together by least squares. How
+much likelier a body's pose is, where it stands on a plane, than where it is free is ρ: the density of its two tilts and
+its height against the plane, over that of a free body, whose way down is even over the directions that a camera can
+see planes in from above, and whose height is even in the logarithm.
+
+* ``Stands``: N ways in which bodies may stand, as arrays; ``ways(...)`` those of one body, ``joined`` those of several
+* ``Contact``: what a body stands on, and how exactly: what moves its pose there
+* ``Known``: a plane with its covariance (3, 3): of the tilts about two axes along it, rad, and of its height, m
+"""
+
+from collections.abc import Sequence
+from typing import NamedTuple
+
+import numpy as np
+
+from geometry.arrays import Floats, Ints
+from geometry.bodies.resting import Plane, RestingFaces, along_plane
+
+FAR = float(np.log(100.0))
+"""Logarithm of the ratio of the greatest to the least height of a camera above what it looks at."""
+LOOSE = 1.0
+"""Standard deviations, of tilts (rad) and of the height's logarithm, of a plane of which nothing is known."""
+
+
+ALIKE_UP, ALIKE_HEIGHT = 0.1, 0.05
+"""Planes are alike whose normals differ by less (rad), and whose heights by less than this share."""
+
+
+def alike(one: Plane, other: Plane) -> bool:
+    """Whether two planes, both below the camera, are nearly the same."""
+    return bool(one.up @ other.up > np.cos(ALIKE_UP) and abs(np.log(one.offset / other.offset)) < ALIKE_HEIGHT)
+
+
+class Stands(NamedTuple):
+    """``body``, ``face`` (N,): whose ways and which faces; ``chance`` (N,) of the face, of those a camera sees from above.
+
+    ``up`` (N, 3) the plane's normal, ``foot`` (N, 3) m its place under the body's middle, both in the camera's frame;
+    ``tilt`` (N,) rad and ``high`` (N,) m: standard deviations.
+    """
+
+    body: Ints
+    face: Ints
+    chance: Floats
+    up: Floats
+    foot: Floats
+    tilt: Floats
+    high: Floats
+
+
+class Known(NamedTuple):
+    """A ``plane``, and the ``covariance`` (3, 3) of its tilts about ``along_plane(up)``, rad, and of its height, m."""
+
+    plane: Plane
+    covariance: Floats
+
+
+def ways(body: int, faces: RestingFaces, pose: Floats, middle: Floats, tilt: float, spread: Floats) -> Stands:
+    """How a body at ``pose`` (4, 4) may stand, of those planes that the camera is above.
+
+    ``middle`` (3,) m of the body, its frame; its turn is known to ``tilt`` rad, its place to ``spread`` (3, 3) m².
+    """
+    up, offset = faces.planes(pose)
+    seen = offset > 0.0
+    up, offset, chance = up[seen], offset[seen], faces.weight[seen]
+    here = pose[:3, :3] @ middle + pose[:3, 3]
+    foot = here - (up @ here + offset)[:, None] * up
+    high = np.sqrt(np.einsum("ni,ij,nj->n", up, spread, up))
+    number = len(up)
+    total = chance.sum()
+    return Stands(
+        np.full(number, body),
+        np.flatnonzero(seen),
+        chance / total if total > 0.0 else chance,
+        up,
+        foot,
+        np.full(number, tilt),
+        high,
+    )
+
+
+def joined(some: Sequence[Stands]) -> Stands:
+    """Those of all."""
+    return Stands(*(np.concatenate(part) for part in zip(*some, strict=True)))
+
+
+def log_free(plane: Plane) -> float:
+    """Ln of the density, per steradian and metre, of tilts and heights of a free body against a plane."""
+    return -float(np.log(2.0 * np.pi * plane.offset * FAR))
+
+
+def off(stands: Stands, plane: Plane) -> tuple[Floats, Floats]:
+    """(N, 2) rad by which each is tilted against a plane, about its axes, and (N,) m by which it is above."""
+    side = stands.up @ along_plane(plane.up)
+    angle = np.arccos(np.clip(stands.up @ plane.up, -1.0, 1.0))
+    length = np.linalg.norm(side, axis=1)
+    return side * (angle / np.maximum(length, 1e-12))[:, None], plane.height(stands.foot)
+
+
+def log_ratios(stands: Stands, plane: Plane) -> Floats:
+    """(N,) ln ρ of each way of standing on a plane."""
+    tilted, above = off(stands, plane)
+    squares = (tilted**2).sum(axis=1) / stands.tilt**2 + (above / stands.high) ** 2
+    volume = 1.5 * np.log(2.0 * np.pi) + 2.0 * np.log(stands.tilt) + np.log(stands.high)
+    return np.asarray(-0.5 * squares - volume - log_free(plane))
+
+
+def fitted(stands: Stands, share: Floats, plane: Plane) -> Known:
+    """The plane near one on which these stand, each counted by its ``share`` (N,)."""
+    tilted, above = off(stands, plane)
+    axes = along_plane(plane.up)
+    by_tilt, by_height = share / stands.tilt**2, share / stands.high**2
+    # a plane of the steps (a, b, c) has the normal up + a·first + b·second and is c higher
+    slope = np.column_stack([stands.foot @ axes, np.ones(len(share))])
+    told = (slope * by_height[:, None]).T @ slope + np.diag([by_tilt.sum(), by_tilt.sum(), 0.0])
+    told += np.diag(LOOSE * np.array([1.0, 1.0, plane.offset]) ** -2.0)
+    aim = -slope.T @ (by_height * above)
+    aim[:2] += (by_tilt[:, None] * tilted).sum(axis=0)
+    step = np.linalg.solve(told, aim)
+    up = plane.up + axes @ step[:2]
+    length = float(np.linalg.norm(up))
+    new = Plane(up / length, (plane.offset + float(step[2])) / length)
+    return Known(new, np.asarray(np.linalg.inv(told)))
+
+
+TILTED, LEVEL = 0.1, 0.01
+"""Standard deviations by which true bodies are off the planes that they stand on: rad, for meshes are not exact, and a
+share of the distance (``lmo``: 0.1 and 0.009, ``ycb``: 0.05 and 0.003; ``python benchmarks/planes.py``)."""
+TIPPED = 0.6
+"""Radians beyond which a face is not what a body stands on."""
+
+
+class Contact(NamedTuple):
+    """A ``plane``, with its ``covariance`` (3, 3) as of ``Known``, and the faces of a body that stands on it."""
+
+    plane: Plane
+    covariance: Floats
+    faces: RestingFaces
+
+    def normal(self, pose: Floats, middle: Floats) -> tuple[Floats, Floats]:
+        """(6, 6) and (6,): what contact tells of a step (w rad, v m) about the ``middle`` (3,) of a body, its frame.
+
+        Nothing where none of its faces is near the plane.
+        """
+        found = self._off(pose, middle)
+        if found is None:
+            return np.zeros((6, 6)), np.zeros(6)
+        up, off, sigma = found
+        slope = np.zeros((3, 6))
+        slope[:2, :3] = np.cross(up, along_plane(self.plane.up).T)
+        slope[2, 3:] = self.plane.up
+        weighed = slope / sigma[:, None] ** 2
+        return weighed.T @ slope, -weighed.T @ off
+
+    def log_density(self, pose: Floats, middle: Floats) -> float:
+        """Ln of how likely a body that stands there is so far off, over the most that can be."""
+        found = self._off(pose, middle)
+        return -0.5 * (TIPPED / TILTED) ** 2 if found is None else -0.5 * float(((found[1] / found[2]) ** 2).sum())
+
+    def _off(self, pose: Floats, middle: Floats) -> tuple[Floats, Floats, Floats] | None:
+        """The normal (3,) of the face nearest to the plane; two tilts and a height (3,), and how well each is known."""
+        if not len(self.faces.reach):
+            return None
+        ups = -self.faces.down @ pose[:3, :3].T
+        face = int(np.argmax(ups @ self.plane.up))
+        if ups[face] @ self.plane.up < np.cos(TIPPED):
+            return None
+        axes, here = along_plane(self.plane.up), pose[:3, :3] @ middle + pose[:3, 3]
+        high = float(self.plane.height(here)) - float(self.faces.reach[face] - self.faces.down[face] @ middle)
+        slope = np.append(here @ axes, 1.0)
+        level = np.hypot(LEVEL * np.linalg.norm(here), np.sqrt(slope @ self.covariance @ slope))
+        tilted = np.sqrt(TILTED**2 + np.diag(self.covariance)[:2])
+        return ups[face], np.append(ups[face] @ axes, high), np.append(tilted, level)

@@ -1,0 +1,174 @@
+"""Abduce the planes that things stand on, and tell each hypothesis what standing on one is worth (formalism §9.9).
+
+Each proposal of each type, in each of its stable poses, is in favour of a plane. A plane is likely on which proposals
+of several types stand that their pixels and places make likely. None of them need be accepted: the sum over types of
+how likely it is that one of it is there, and stands or is free, tells a plane from others, and from none.
+
+* ``Bodies``: the proposals, as arrays: their types, what speaks for each, and the ways in which each may stand
+* ``Believed``: one plane, ``Believed(known, log_prior, factors)``; ``Supported``: all of an image
+"""
+
+from collections.abc import Mapping, Sequence
+from typing import NamedTuple
+
+import numpy as np
+
+from geometry.arrays import Floats, Ints
+from geometry.bodies.resting import Plane
+from geometry.bodies.standing import Known, Stands, alike, fitted, joined, log_free, log_ratios, ways
+from plogic.facts.hypothesis import Hypothesis
+from plogic.match.judged.type_models import TypeModel
+
+NONE = 0.2
+"""P(nothing says where things stand), before a picture is seen."""
+TILT, DEPTH, ASIDE = 0.12, 0.03, 0.01
+"""Standard deviations of a hypothesis's pose: its tilt, rad, and shares of its distance along the sight and across."""
+STANDS = 0.5
+"""Probability from which something is told to stand on a plane."""
+MOST = 4
+"""Planes that are told apart in one image, and kept."""
+STARTS = 40
+"""Ways of standing that planes are sought from, the likeliest."""
+ROUNDS = 6
+
+
+class Bodies(NamedTuple):
+    """B hypotheses, at most one of each ``kind`` (B,), a number, is there; their ``odds`` (B,), logarithms, by all else.
+
+    ``names`` (B) of their types; ``stands``: the ways in which each may stand.
+    """
+
+    names: tuple[str, ...]
+    kind: Ints
+    odds: Floats
+    stands: Stands
+
+    @property
+    def present(self) -> Floats:
+        """(B,) P(it is there)."""
+        weight = np.exp(np.clip(self.odds, -50.0, 50.0))
+        return np.asarray(weight / (1.0 + self.sums(weight))[self.kind])
+
+    def sums(self, value: Floats) -> Floats:
+        """(K,) of each kind."""
+        return np.asarray(np.bincount(self.kind, value, minlength=int(self.kind.max(initial=-1)) + 1), float)
+
+
+class Believed(NamedTuple):
+    """A plane, ln of its prior share, and by how much likelier each of B bodies' poses is where it holds.
+
+    ``by``: the types of those that are there and stand on it, more likely than not.
+    """
+
+    known: Known
+    log_prior: float
+    factors: Floats
+    by: tuple[str, ...]
+
+
+class Supported(NamedTuple):
+    """The planes of an image, best first, and the ``probability`` (P + 2,) of each, of another one, and of none.
+
+    ``worth`` (B,): what standing there, or not, adds to the log-odds of each body, given all others.
+    """
+
+    planes: tuple[Believed, ...]
+    probability: Floats
+    worth: Floats
+
+
+def bodies_of(accepted: Sequence[Hypothesis], proposed: Sequence[Hypothesis], models: Mapping[str, TypeModel]) -> Bodies:
+    """Those of Δi, each there for itself, and proposals, of a type one at most besides."""
+    some = [*accepted, *proposed]
+    names = dict.fromkeys([*range(len(accepted)), *(posed.type for posed in proposed)])
+    number = {name: k for k, name in enumerate(names)}
+    kinds = [*range(len(accepted)), *(number[posed.type] for posed in proposed)]
+    odds = [posed.surplus - posed.stance for posed in some]
+    stands = [_ways(k, posed, models[posed.type]) for k, posed in enumerate(some)]
+    return Bodies(tuple(posed.type for posed in some), np.array(kinds, np.intp), np.array(odds), joined(stands))
+
+
+def _ways(number: int, posed: Hypothesis, model: TypeModel) -> Stands:
+    pose, middle = posed.camera_from_object, model.centre
+    here = pose[:3, :3] @ middle + pose[:3, 3]
+    far = float(np.linalg.norm(here))
+    sight = here / far
+    spread = far**2 * (ASIDE**2 * np.eye(3) + (DEPTH**2 - ASIDE**2) * np.outer(sight, sight))
+    return ways(number, model.resting, pose, middle, TILT, spread)
+
+
+def supported(bodies: Bodies, rests: float) -> Supported:
+    """The planes that the bodies speak for, where a thing rests with that chance, and what standing is worth to each."""
+    from scipy.special import logsumexp
+
+    planes = _abduced(bodies, rests)
+    number = len(bodies.kind)
+    if not planes:
+        return Supported((), np.array([1.0 - NONE, NONE]), np.zeros(number))
+    shares = np.array([plane.log_prior for plane in planes])
+    elsewhere = np.log(max(1.0 - NONE - float(np.exp(shares).sum()), 1e-12))
+    prior = np.array([*shares, elsewhere, np.log(NONE)])
+    factors = np.stack([*(plane.factors for plane in planes), np.full(number, 1.0 - rests), np.ones(number)])
+    there = bodies.present
+    of_kind = 1.0 - bodies.sums(there) + np.stack([bodies.sums(there * row) for row in factors])
+    logs = prior + np.log(of_kind).sum(axis=1)
+    probability = np.exp(logs - logsumexp(logs))
+    without = logs[:, None] - np.log(of_kind)[:, bodies.kind]  # (P + 2, B) by all other types
+    worth = logsumexp(without + np.log(factors), axis=0) - logsumexp(without, axis=0)
+    return Supported(tuple(planes), probability, worth)
+
+
+def _abduced(bodies: Bodies, rests: float) -> list[Believed]:
+    """The planes found from each likely way of standing, the likeliest first, no two alike."""
+    stands, there = bodies.stands, bodies.present
+    likely = there[stands.body] * stands.chance
+    found: list[tuple[float, Believed]] = []
+    for start in np.argsort(-likely, kind="stable")[:STARTS]:
+        up = stands.up[start]
+        share = np.zeros(len(likely))
+        share[start] = 1.0
+        known = fitted(stands, share, Plane(up, -float(up @ stands.foot[start])))
+        for _ in range(ROUNDS):
+            share = _shares(bodies, known.plane, there, rests)
+            known = fitted(stands, share, known.plane)
+            if known.plane.offset <= 0.0:
+                break
+        if known.plane.offset > 0.0:
+            found.append(_weighed(bodies, known, there, rests))
+    kept: list[Believed] = []
+    for _, plane in sorted(found, key=lambda row: -row[0]):
+        if all(not alike(plane.known.plane, other.known.plane) for other in kept):
+            kept.append(plane)
+    return kept[:MOST]
+
+
+def _factors(bodies: Bodies, plane: Plane, rests: float) -> tuple[Floats, Floats]:
+    """(B,) how much likelier each pose is where the plane holds, and (N,) each way's part of it."""
+    parts = rests * bodies.stands.chance * np.exp(np.minimum(log_ratios(bodies.stands, plane), 50.0))
+    told = np.bincount(bodies.stands.body, parts, minlength=len(bodies.kind))
+    return np.asarray(1.0 - rests + told), parts
+
+
+def standing_on(bodies: Bodies, plane: Plane, rests: float) -> Floats:
+    """(B,) P(each stands on a plane, given that it is there and that the plane is)."""
+    factors, _ = _factors(bodies, plane, rests)
+    return 1.0 - (1.0 - rests) / factors
+
+
+def _shares(bodies: Bodies, plane: Plane, there: Floats, rests: float) -> Floats:
+    """(N,) P(each way of standing is how its body stands), where the plane holds."""
+    factors, parts = _factors(bodies, plane, rests)
+    of_kind = 1.0 - bodies.sums(there) + bodies.sums(there * factors)
+    of = bodies.stands.body
+    return np.asarray(there[of] * parts / of_kind[bodies.kind[of]])
+
+
+def _weighed(bodies: Bodies, known: Known, there: Floats, rests: float) -> tuple[float, Believed]:
+    """How much all bodies speak for a plane; and what they do."""
+    factors, _ = _factors(bodies, known.plane, rests)
+    volume = 1.5 * np.log(2.0 * np.pi) + 0.5 * float(np.linalg.slogdet(known.covariance)[1])
+    log_prior = float(np.log(1.0 - NONE) + min(0.0, log_free(known.plane) + volume))
+    of_kind = 1.0 - bodies.sums(there) + bodies.sums(there * factors)
+    stands = np.bincount(bodies.stands.body, _shares(bodies, known.plane, there, rests), minlength=len(factors))
+    by = tuple(name for name, share in zip(bodies.names, stands, strict=True) if share > STANDS)
+    return log_prior + float(np.log(of_kind).sum()), Believed(known, log_prior, factors, by)
