@@ -25,6 +25,8 @@ LOOSE = 1.0
 """Standard deviations, of tilts (rad) and of the height's logarithm, of a plane of which nothing is known."""
 
 
+GRAZING = 0.08
+"""Sine of the angle at which a plane is seen, at the least."""
 ALIKE_UP, ALIKE_HEIGHT = 0.1, 0.05
 """Planes are alike whose normals differ by less (rad), and whose heights by less than this share."""
 
@@ -35,7 +37,7 @@ def alike(one: Plane, other: Plane) -> bool:
 
 
 class Stands(NamedTuple):
-    """``body``, ``face`` (N,): whose ways and which faces; ``chance`` (N,) of the face, of those a camera sees from above.
+    """``body``, ``face`` (N,): whose ways, and on which faces; ``chance`` (N,) of the face, of those seen from above.
 
     ``up`` (N, 3) the plane's normal, ``foot`` (N, 3) m its place under the body's middle, both in the camera's frame;
     ``tilt`` (N,) rad and ``high`` (N,) m: standard deviations.
@@ -58,14 +60,14 @@ class Known(NamedTuple):
 
 
 def ways(body: int, faces: RestingFaces, pose: Floats, middle: Floats, tilt: float, spread: Floats) -> Stands:
-    """How a body at ``pose`` (4, 4) may stand, of those planes that the camera is above.
+    """How a body at ``pose`` (4, 4) may stand, of those planes that the camera sees from above.
 
     ``middle`` (3,) m of the body, its frame; its turn is known to ``tilt`` rad, its place to ``spread`` (3, 3) m².
     """
     up, offset = faces.planes(pose)
-    seen = offset > 0.0
-    up, offset, chance = up[seen], offset[seen], faces.weight[seen]
     here = pose[:3, :3] @ middle + pose[:3, 3]
+    seen = offset > GRAZING * np.linalg.norm(here)
+    up, offset, chance = up[seen], offset[seen], faces.weight[seen]
     foot = here - (up @ here + offset)[:, None] * up
     high = np.sqrt(np.einsum("ni,ij,nj->n", up, spread, up))
     number = len(up)
@@ -81,9 +83,13 @@ def ways(body: int, faces: RestingFaces, pose: Floats, middle: Floats, tilt: flo
     )
 
 
+_NO, _NONE, _NOWHERE = np.zeros(0, np.intp), np.zeros(0), np.zeros((0, 3))
+_NOTHING = Stands(_NO, _NO, _NONE, _NOWHERE, _NOWHERE, _NONE, _NONE)
+
+
 def joined(some: Sequence[Stands]) -> Stands:
     """Those of all."""
-    return Stands(*(np.concatenate(part) for part in zip(*some, strict=True)))
+    return Stands(*(np.concatenate(part) for part in zip(_NOTHING, *some, strict=True)))
 
 
 def log_free(plane: Plane) -> float:

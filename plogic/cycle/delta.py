@@ -25,6 +25,8 @@ from kb.surfaces.surface import Surface
 from plogic.base.jobs import each
 from plogic.cycle.lumped import compound_parts, counts, lumped, told, told_as, types_told
 from plogic.cycle.placing import gravity_of_view, space_of_view
+from plogic.cycle.planes import Setting
+from plogic.cycle.stances import support_of_view
 from plogic.cycle.state import Cycle, Trace
 from plogic.facts.hypothesis import FeatureFact, Hypothesis, part_facts
 from plogic.facts.pixel_table import PixelTable
@@ -185,6 +187,7 @@ def delta_of(
             exclusive=exclusive,
             space=space_of_view(posed, overlaps, data.camera, kb, models or {}) if related else Space(),
             gravity=gravity_of_view(posed, overlaps, data.camera, kb),
+            support=support_of_view(posed, Setting(models or {}, data.camera, kb)),
             relations=relations_of(posed, together, data.camera),
             part_relations=part_relations_of(posed, together, data.camera),
             priors={t.name: kb.rates.prior.get(t.name, 0.5) for t in kb.types},

@@ -21,7 +21,7 @@ from plogic.base.clock import OutOfTimeError
 from plogic.cycle.choosing import Choice, acceptance, accepted, best_first, chosen, concluded, exchanged, glance, kept
 from plogic.cycle.judging import compared, judge, judged, left_over, making_way, refusal, set_aside
 from plogic.cycle.state import Attention, Cycle, State, Step, Task, Trace, among, considered, free, step_of
-from plogic.cycle.support import leaning, standing
+from plogic.cycle.support import leaning, settled_down, standing
 from plogic.facts.hypothesis import Hypothesis
 from plogic.match.judged.rivals import EVEN, claims, hidden_among
 from plogic.match.judged.type_models import Given, TypeModel
@@ -162,7 +162,7 @@ def perceive(
             state = last = replace(state, attention=tuple(known)).tells(*ranked)
         for after in rounds(task, state, choose):
             last = after
-    return _outcome(task, left_over(concluded(task, last)), unheld, known)
+    return _outcome(task, left_over(settled_down(task, concluded(task, last))), unheld, known)
 
 
 def rounds(task: Task, state: State, choose: Choice = best_first) -> Iterator[State]:

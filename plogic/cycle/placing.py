@@ -30,6 +30,7 @@ from geometry.visibility.occlusion import PosedSurface
 from geometry.visibility.outline import image_area, outline
 from kb.clouds.cloud import KnowledgeBase
 from kb.surfaces.surface import Surface
+from plogic.cycle.planes import Setting
 from plogic.cycle.support import support_of
 from plogic.facts.hypothesis import Hypothesis
 from plogic.facts.spatial import GROUND, BodyFact, Foot, Gravity, SharedFact, Space, View
@@ -69,7 +70,7 @@ def space_of_view(
 ) -> Space:
     """Of Δh, its hypotheses by id; ``overlaps``: the pairs that A4 excludes from one world."""
     placed = {name: _placed(name, belief) for name, belief in beliefs.items()}
-    up, up_from = upward(beliefs.values(), camera, models, kb.rests if kb.gravity else None)
+    up, up_from = upward(beliefs.values(), Setting(models, camera, kb))
     apart = {frozenset(pair) for pair in overlaps}
     pairs = [
         (x, y) for x, y in combinations(list(placed.values())[:MOST], 2) if frozenset((x.name, y.name)) not in apart
@@ -87,16 +88,13 @@ def space_of_view(
     )
 
 
-def upward(
-    beliefs: Iterable[Hypothesis], camera: Camera, models: Mapping[str, TypeModel], rests: float | None
-) -> tuple[Floats | None, str]:
+def upward(beliefs: Iterable[Hypothesis], setting: Setting) -> tuple[Floats | None, str]:
     """The unit vector (3,), camera frame, against gravity, and what says so; None and '' where nothing does."""
-    if camera.world_from_camera is not None:
-        return np.asarray(camera.world_from_camera[2, :3]), "T_world_camera"
-    if rests is None or not models:
+    if setting.camera.world_from_camera is not None:
+        return np.asarray(setting.camera.world_from_camera[2, :3]), "T_world_camera"
+    if not setting.models:
         return None, ""
-    accepted = [belief for belief in beliefs if belief.status == "accepted"]
-    support = support_of(accepted, models, rests)
+    support = support_of([belief for belief in beliefs if belief.status == "accepted"], setting)
     return (None, "") if support is None else (support.plane.up, "support plane")
 
 

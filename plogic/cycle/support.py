@@ -8,7 +8,7 @@ poses; what leans, hangs or lies on something else is found as before, by the se
 * ``support_of(accepted, models)``: the plane that accepted objects stand on, where two or more do
 """
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from contextlib import closing
 from dataclasses import replace
 from typing import NamedTuple
@@ -16,11 +16,12 @@ from typing import NamedTuple
 import numpy as np
 
 from geometry.bodies.resting import Plane
-from plogic.cycle.planes import STANDS, bodies_of, standing_on, supported
-from plogic.cycle.state import Proposal, State, Task
+from plogic.cycle.judging import judge
+from plogic.cycle.planes import STANDS, Setting, bodies_of, standing_on, supported
+from plogic.cycle.state import Proposal, State, Step, Task
 from plogic.facts.hypothesis import Hypothesis
 from plogic.match.gamma.data import Data
-from plogic.match.judged.type_models import Given, TypeModel
+from plogic.match.judged.type_models import Given
 
 SURE = 50.0
 """Log-odds of what is accepted."""
@@ -37,9 +38,12 @@ class Support(NamedTuple):
     by: tuple[int, ...]
 
 
-def support_of(accepted: Sequence[Hypothesis], models: Mapping[str, TypeModel], rests: float) -> Support | None:
-    """The plane below the camera on which most of these objects stand; None where no two do."""
-    bodies = bodies_of([posed.told(surplus=SURE, stance=0.0) for posed in accepted], [], models)
+def support_of(accepted: Sequence[Hypothesis], setting: Setting) -> Support | None:
+    """The plane below the camera on which most of these objects stand; None where no two do, or nothing rests."""
+    rests = setting.kb.rests
+    if rests is None:
+        return None
+    bodies = bodies_of([posed.told(surplus=SURE, stance=0.0) for posed in accepted], [], setting)
     found = supported(bodies, rests)
     if not found.planes or found.probability[0] < STANDS:
         return None
@@ -48,13 +52,18 @@ def support_of(accepted: Sequence[Hypothesis], models: Mapping[str, TypeModel], 
     return Support(plane, tuple(map(int, by))) if len(by) >= FEWEST else None
 
 
+def setting_of(task: Task) -> Setting:
+    """What its poses are judged by."""
+    return Setting(task.models, task.data.camera, task.kb)
+
+
 def leaning(task: Task, state: State) -> State:
     """The state with its planes, and all that is accepted or proposed told what its stance is worth."""
     rests = task.kb.rests
     proposed = [proposal.hypothesis for proposal in state.proposals]
     if rests is None or not (proposed or state.accepted):
         return state
-    found = supported(bodies_of(state.accepted, proposed, task.models), rests)
+    found = supported(bodies_of(state.accepted, proposed, setting_of(task)), rests)
     told = [_leans(h, float(worth)) for h, worth in zip((*state.accepted, *proposed), found.worth, strict=True)]
     number = len(state.accepted)
     proposals = (Proposal(h, p.beside) for h, p in zip(told[number:], state.proposals, strict=True))
@@ -64,7 +73,6 @@ def leaning(task: Task, state: State) -> State:
 def _leans(posed: Hypothesis, worth: float) -> Hypothesis:
     more = worth - posed.stance
     return posed.told(stance=worth, worth=posed.worth + more, surplus=posed.surplus + more)
-
 
 
 def standing(task: Task, state: State, left: Data, given: Given) -> tuple[list[Hypothesis], list[str]]:
@@ -79,7 +87,7 @@ def standing(task: Task, state: State, left: Data, given: Given) -> tuple[list[H
         for _, search in task.searches:
             with closing(search.standing(plane.known, left, given)) as searches:
                 for rows in searches:
-                    some += [posed for _, posed in rows]
+                    some += [posed.told(put=True) for _, posed in rows]
                     task.request.check()
         said.append(
             f"{', '.join(plane.by)} stand on a plane (P {probability:.2f}), {plane.known.plane.offset:.2f} m below the "
@@ -87,3 +95,30 @@ def standing(task: Task, state: State, left: Data, given: Given) -> tuple[list[H
         )
         found += some
     return found, said
+
+
+def settled_down(task: Task, state: State) -> State:
+    """The state in which each accepted object that stands on the likeliest plane is moved to touch it, about.
+
+    Its pixels and what it stands on speak together there; what they no longer speak for is rejected.
+    """
+    if task.kb.rests is None or len(state.accepted) < FEWEST:
+        return state
+    bodies = bodies_of(state.accepted, [], setting_of(task))
+    found = supported(bodies, task.kb.rests)
+    if not found.planes or found.probability[0] < STANDS:
+        return state
+    known, some, lost = found.planes[0].known, list(state.accepted), list[Hypothesis]()
+    stands = standing_on(bodies, known.plane, task.kb.rests) > STANDS
+    for one in [one for one, on in zip(state.accepted, stands, strict=True) if on]:
+        others, search = [other for other in some if other is not one], task.search_for(one)
+        moved = one if search is None else search.stood(one, known, others)
+        if moved is one:
+            continue
+        moved = judge(task, others, moved, 0).told(status=one.status, why=one.why)
+        some = [moved if other is one else other for other in some]
+        if moved.surplus <= task.demanded(moved):
+            some = [other for other in some if other is not moved]
+            lost.append(moved.told(status="rejected", why="its pixels do not hold where it touches what it stands on"))
+    steps = (Step("release", posed.why, posed.type) for posed in lost)
+    return replace(state, accepted=tuple(some), rejected=(*state.rejected, *lost)).tells(*steps)

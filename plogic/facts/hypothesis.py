@@ -143,7 +143,8 @@ class Hypothesis:
     logarithm of a likelihood, about; None where there is no photo, or no paint. ``pixel_table``: the same by who stands
     before it, as the posterior is told; None where there is no ``pixels``. ``pose_probability``: P(its pose is right,
     given that it is present), by the photo; None where that is not known. ``stance``: what standing where others do, or
-    nowhere, adds to its log-odds given all other proposals (§9.9); 0 where nobody said that things rest.
+    nowhere, adds to its log-odds given all other proposals (§9.9); 0 where nobody said that things rest. ``put``:
+    whether it was looked for on a plane, so that standing there says nothing for it.
 
     ``worth`` is the log-likelihood ratio against clutter, ``surplus`` what is left of it besides what any pose has.
     ``ev`` is that of the hypothesis alone, ``ev_reconsidered`` that beside Δi; None where it is 0/0 or was not asked.
@@ -185,6 +186,7 @@ class Hypothesis:
     axes: NDArray[np.float64] | None = field(default=None, repr=False)
     pixels: float | None = field(default=None, repr=False)
     stance: float = 0.0
+    put: bool = False
     pixel_table: PixelTable | None = None
     pose_probability: float | None = None
 
@@ -227,7 +229,7 @@ class Hypothesis:
 
     def beyond(self) -> dict[str, float | None]:
         """What is known of it beyond Γ: another hypothesis of its pose can be ``told`` the same."""
-        return {"pixels": self.pixels, "stance": self.stance}
+        return {"pixels": self.pixels, "stance": self.stance, "put": self.put}
 
     def bare(self) -> Hypothesis:
         """The same hypothesis without its arrays: type, pose and verdict."""

@@ -169,9 +169,7 @@ def moved(pose: Floats, middle: Floats, step: Floats) -> Floats:
     return result
 
 
-def settled(
-    crop: Crop, paint: Paint, pose: Floats, stages: Sequence[Stage], contact: Contact | None = None
-) -> Floats:
+def settled(crop: Crop, paint: Paint, pose: Floats, stages: Sequence[Stage], contact: Contact | None = None) -> Floats:
     """The pose after all stages."""
     for stage in stages:
         for _ in range(stage.steps):

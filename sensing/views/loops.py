@@ -162,23 +162,37 @@ def score(stack: Any, views: Any, row: Any, scale: float, power: float) -> float
 
 
 @njit(cache=True)
-def laid_down(
-    stack: Any, views: Any, places: Any, block: Any, which: Any, turned: Any, scale: float, power: float
-) -> Any:
-    """The best score at each of places (P, 3), x, y and a size, over turns, and which turn has it, (P,) both.
+def laid_in(stack: Any, views: Any, cells: Any, which: Any, turned: Any, size: Any) -> Any:
+    """The best sum of views in each of some squares of cells, and its cell: (B, T) int32, and (B, T, 2), x and y.
 
-    In the ``block`` (P,) of a place, turn t shows the view ``which`` (B, T), turned by ``turned`` (B, T).
+    A square's ``cells`` (B, 4) are those from x0, y0 to before x1, y1; in it T views are laid down, ``which`` (B, T),
+    ``turned`` (B, T), of one ``size`` (B,) in cells. Nothing of a view is outside the stack.
     """
-    best, turn = np.full(len(places), -np.inf), np.zeros(len(places), np.int64)
-    row = np.zeros(6)
-    for p in range(len(places)):
-        row[2], row[3], row[4] = places[p, 2], places[p, 0], places[p, 1]
-        for t in range(which.shape[1]):
-            row[0], row[1] = which[block[p], t], turned[block[p], t]
-            value = score(stack, views, row, scale, power)
-            if value > best[p]:
-                best[p], turn[p] = value, t
-    return best, turn
+    squares, turns = which.shape
+    best, where = np.full((squares, turns), -(2**30), np.int32), np.zeros((squares, turns, 2), np.int32)
+    for b in range(squares):
+        x0, y0, wide, high = cells[b, 0], cells[b, 1], cells[b, 2] - cells[b, 0], cells[b, 3] - cells[b, 1]
+        total = np.zeros((high, wide), np.int16)
+        for t in range(turns):
+            v = which[b, t]
+            c, s = np.cos(turned[b, t]) * size[b], np.sin(turned[b, t]) * size[b]
+            total[:] = 0
+            for f in range(views.kind.shape[1]):
+                if views.kind[v, f] >= 0:
+                    x = x0 + int(np.rint(c * views.at[v, f, 0] - s * views.at[v, f, 1]))
+                    y = y0 + int(np.rint(s * views.at[v, f, 0] + c * views.at[v, f, 1]))
+                    angle = views.angle[v, f] + turned[b, t]
+                    m = channel(views.kind[v, f], angle, views.colour[v, f], len(views.palette))
+                    for i in range(high):
+                        row = stack[m, y + i, x : x + wide]
+                        for j in range(wide):
+                            total[i, j] += row[j]
+            for i in range(high):
+                for j in range(wide):
+                    if total[i, j] > best[b, t]:
+                        best[b, t] = total[i, j]
+                        where[b, t, 0], where[b, t, 1] = x0 + j, y0 + i
+    return best, where
 
 
 @njit(cache=True)

@@ -8,12 +8,13 @@ plane a little: the plane is known about as well.
 """
 
 import numpy as np
+from numpy.typing import NDArray
 
 from geometry.arrays import Floats, Ints
 from geometry.bodies.resting import Plane, RestingFaces, along_plane
 from geometry.camera import Camera
 from geometry.frames import least_turns, turn_about
-from sensing.views.loops import apart, laid_down
+from sensing.views.loops import apart, laid_in
 from sensing.views.maps import UNIT, PhotoMaps, TypeMaps
 from sensing.views.search import (
     ALIKE,
@@ -33,14 +34,16 @@ from sensing.views.views import Views
 
 TURNS = 24
 """About the plumb line."""
-STEP = 0.1
-"""Share of the size from one place to the next."""
 BLOCK = 40.0
-"""Pixels of a square of the photo in which one line of sight tells the view."""
+"""Pixels of a square of the photo in which one line of sight tells the view and the size."""
+PAD = int(np.ceil(COARSE / EVERY))
+"""Cells around a map, that a view may reach into."""
 SEEDS = 120
 """Places that climb, no two alike."""
 KEPT = 4000
 """Of the best places."""
+BETWEEN = 0.35
+"""Radians between faces that are laid down: what rolls has more, and climbs from one to the next."""
 GRAZING = 0.02
 """Cosine to the plumb line of a line of sight along which nobody knows where the plane is."""
 
@@ -59,44 +62,47 @@ def stood(
 
 
 def everywhere_on(maps: TypeMaps, camera: Camera, body: Body, plane: Plane, faces: RestingFaces) -> Floats:
-    """The best of all places on a plane, rows (N, 6) as of ``sensing.views.search.everywhere``, best first."""
-    rows = [np.zeros((0, 6))]
-    for down, reach in zip(faces.down, faces.reach, strict=True):
-        places = _places(camera, body, plane, float(reach - down @ body.middle))
-        if len(places):
-            which, turned = _seen_from(camera, plane, down, body.views)
-            rows += _scored(maps, body.views, places, _blocks(camera, places), which, turned)
+    """The best of all squares on a plane, rows (N, 6) as of ``sensing.views.search.everywhere``, best first."""
+    rows, corners, stacks = [np.zeros((0, 6))], _corners(camera), dict[float, NDArray[np.int8]]()
+    middles = corners + 0.5 * BLOCK
+    some = spread(faces)
+    for down, reach in zip(faces.down[some], faces.reach[some], strict=True):
+        size = _size(camera, body, plane, float(reach - down @ body.middle), middles)
+        there = (size >= SIZES[0]) & (size <= SIZES[1])
+        which, turned = _seen_from(camera, plane, down, body.views, middles[there])
+        scales = np.array([scale_for(one, COARSE) for one in size[there]])
+        for scale in np.unique(scales):
+            mine = scales == scale
+            if scale not in stacks:
+                stacks[scale] = np.pad(maps.stack(float(scale), SPREAD, EVERY), ((0, 0), (PAD, PAD), (PAD, PAD)))
+            laid = corners[there][mine], which[mine], turned[mine], size[there][mine]
+            rows.append(_laid(stacks[scale], body.views, float(scale), *laid))
     every = np.concatenate(rows)
     return np.asarray(every[np.argsort(-every[:, 5], kind="stable")[:KEPT]])
 
 
-def _scored(
-    maps: TypeMaps, views: Views, places: Floats, block: Ints, which: Ints, turned: Floats
-) -> list[Floats]:
-    """Rows of the best turn at each of places (P, 3), scale by scale."""
-    rows, scales = [], np.array([scale_for(size, COARSE) for size in places[:, 2]])
-    for scale in np.unique(scales):
-        mine = scales == scale
-        stack = maps.stack(float(scale), SPREAD, EVERY)
-        some, at = places[mine], block[mine]
-        best, turn = laid_down(stack, views, some, at, which, turned, scale / EVERY, POWER)
-        rows.append(np.column_stack([which[at, turn], turned[at, turn], some[:, 2], some[:, :2], best / UNIT]))
-    return rows
+def spread(faces: RestingFaces) -> list[int]:
+    """Which faces are as far apart as ``BETWEEN``, the first ones."""
+    kept: list[int] = []
+    for k, down in enumerate(faces.down):
+        if (faces.down[kept] @ down < np.cos(BETWEEN)).all():
+            kept.append(k)
+    return kept
 
 
-def _places(camera: Camera, body: Body, plane: Plane, high: float) -> Floats:
-    """(P, 3) places of the photo where a body's middle may be, ``high`` m above the plane, and its size there."""
-    rows, y = [np.zeros((0, 3))], 0.0
-    while y < camera.height:
-        size = _size(camera, body, plane, high, np.array([[0.5 * camera.width, y]]))[0]
-        step = STEP * float(np.clip(np.nan_to_num(size, nan=SIZES[0]), *SIZES[:2]))
-        x = np.arange(0.0, camera.width, step)
-        at = np.column_stack([x, np.full(len(x), y)])
-        size = _size(camera, body, plane, high, at)
-        kept = (size >= SIZES[0]) & (size <= SIZES[1])
-        rows.append(np.column_stack([at[kept], size[kept]]))
-        y += step
-    return np.concatenate(rows)
+def _laid(
+    stack: NDArray[np.int8], views: Views, scale: float, corners: Floats, which: Ints, turned: Floats, size: Floats
+) -> Floats:
+    """(B · T, 6) rows of the best place in each of B squares of a view that is seen there, at each of T turns."""
+    cell = EVERY / scale
+    ends = np.concatenate([corners, corners + BLOCK], axis=1) / cell
+    cells = np.rint(np.minimum(ends, np.tile(np.array(stack.shape[:0:-1]) - 2 * PAD, 2))).astype(np.int64) + PAD
+    cells[:, 2:] = np.maximum(cells[:, 2:], cells[:, :2] + 1)
+    best, where = laid_in(stack, views, cells, which, turned, size / cell)
+    place = ((where - PAD) * EVERY + EVERY // 2 + 0.5) / scale - 0.5
+    sizes = np.broadcast_to(size[:, None], best.shape)
+    score = best / UNIT * (sizes / 100.0) ** POWER
+    return np.stack([which, turned, sizes, place[..., 0], place[..., 1], score], axis=2).reshape(-1, 6)
 
 
 def _size(camera: Camera, body: Body, plane: Plane, high: float, at: Floats) -> Floats:
@@ -109,23 +115,15 @@ def _size(camera: Camera, body: Body, plane: Plane, high: float, at: Floats) -> 
         return np.where(ahead, camera.f * body.diameter / depth, np.nan)
 
 
-def _grid(camera: Camera) -> tuple[int, int]:
-    return int(np.ceil(camera.width / BLOCK)), int(np.ceil(camera.height / BLOCK))
+def _corners(camera: Camera) -> Floats:
+    """(B, 2) of the squares that the photo is cut into."""
+    x, y = np.meshgrid(np.arange(0.0, camera.width, BLOCK), np.arange(0.0, camera.height, BLOCK))
+    return np.column_stack([x.ravel(), y.ravel()])
 
 
-def _blocks(camera: Camera, places: Floats) -> Ints:
-    """(P,) in which square each place is."""
-    across = _grid(camera)[0]
-    x, y = (places[:, :2] // BLOCK).astype(np.int64).T
-    return np.asarray(y * across + x)
-
-
-def _seen_from(camera: Camera, plane: Plane, down: Floats, views: Views) -> tuple[Ints, Floats]:
-    """(B, ``TURNS``) the view that a body which stands so shows in each square, at each turn; and its turn there."""
-    across, high = _grid(camera)
-    x, y = np.meshgrid((np.arange(across) + 0.5) * BLOCK, (np.arange(high) + 0.5) * BLOCK)
-    sight = np.column_stack([camera.normalised(np.column_stack([x.ravel(), y.ravel()])), np.ones(x.size)])
-    sight /= np.linalg.norm(sight, axis=1, keepdims=True)
+def _seen_from(camera: Camera, plane: Plane, down: Floats, views: Views, places: Floats) -> tuple[Ints, Floats]:
+    """(B, ``TURNS``) the view that a body which stands so shows at places (B, 2), at each turn; and its turn there."""
+    sight = camera.rays(places)
     upright = _axes(-plane.up) @ _axes(down).T
     about = np.stack([turn_about(plane.up, 2.0 * np.pi * k / TURNS)[:3, :3] @ upright for k in range(TURNS)])
     facing = least_turns(np.array([0.0, 0.0, 1.0]), sight).transpose(0, 2, 1)

@@ -7,14 +7,12 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
-from hypothesis import strategies as st
 from painted_cube import CAMERA, SIDE, cloud, picture, seen, write_knowledge
 
 from geometry.bodies.resting import Plane
-from geometry.frames import from_rotation_translation, inverse, look_at, pose_error, transform_points
+from geometry.bodies.standing import Known
+from geometry.frames import from_rotation_translation, look_at, pose_error, transform_points
 from kb.files.read import read_kb
-from plogic.cycle.support import support_of
 from plogic.match.gamma.data import data_of
 from plogic.match.learned.keypoints import pairs_of
 from plogic.match.learned.learned_poses import resting, set_down
@@ -73,56 +71,6 @@ def same(found, truth):
     return turned < np.radians(5.0) and moved < 0.05 * np.linalg.norm(truth[:3, 3])
 
 
-@settings(max_examples=40, deadline=None, derandomize=True)
-@given(st.integers(0, 9999), st.integers(2, 4))
-def test_two_or_more_give_the_plane_within_a_degree_and_five_millimetres(index, seed, count):
-    rng = np.random.default_rng(seed)
-    poses = [standing(0.3 * k - 0.4, rng.uniform(-0.2, 0.2), rng.uniform(0, 360)) for k in range(count)]
-    for pose in poses:
-        pose[:3, :3] = from_rotation_translation(_small(rng.normal(size=3) * 0.004), np.zeros(3))[:3, :3] @ pose[:3, :3]
-        pose[:3, 3] *= 1.0 + 0.004 * rng.normal()
-    support = support_of([(index, pose) for pose in poses])
-    assert support.by == tuple(range(count))
-    assert np.degrees(np.arccos(min(1.0, support.plane.up @ TABLE.up))) < 1.0
-    middle = np.mean([pose[:3, 3] for pose in poses], axis=0)
-    assert abs(support.plane.height(middle) - TABLE.height(middle)) < 0.005
-
-
-def _small(w):
-    angle = np.linalg.norm(w)
-    cross = np.cross(np.eye(3), w[None] / angle)
-    return np.eye(3) + np.sin(angle) * cross + (1 - np.cos(angle)) * cross @ cross
-
-
-@settings(max_examples=25, deadline=None, derandomize=True)
-@given(st.floats(-np.pi, np.pi))
-def test_a_camera_turned_in_its_plane_turns_the_plane(index, roll):
-    turn = from_rotation_translation(
-        [[np.cos(roll), -np.sin(roll), 0], [np.sin(roll), np.cos(roll), 0], [0, 0, 1]], np.zeros(3)
-    )
-    poses = [standing(*place, 20.0 * i) for i, place in enumerate(PLACES)]
-    plain, turned = (support_of([(index, motion @ pose) for pose in poses]) for motion in (np.eye(4), turn))
-    assert plain.by == turned.by
-    np.testing.assert_allclose(turned.plane.up, turn[:3, :3] @ plain.plane.up, atol=1e-9)
-    assert turned.plane.offset == pytest.approx(plain.plane.offset, abs=1e-9)
-
-
-def test_without_agreement_there_is_no_plane(index):
-    one = standing(*PLACES[0])
-    tipped = standing(*PLACES[1], 10.0, 0.05, 30.0)
-    assert support_of([]) is None
-    assert support_of([(index, one)]) is None
-    assert support_of([(index, one), (index, tipped)]) is None
-    assert support_of([(index, one), (index, standing(*PLACES[1], 30.0, height=0.05))]) is None
-
-
-def test_one_that_leans_has_no_say(index):
-    poses = [standing(*PLACES[0]), standing(*PLACES[1], 15.0, 0.03, 25.0), standing(*PLACES[2], 40.0)]
-    support = support_of([(index, pose) for pose in poses])
-    assert support.by == (0, 2)
-    np.testing.assert_allclose(support.plane.up, TABLE.up, atol=1e-6)
-
-
 def test_everything_that_is_set_down_stands_on_a_face(perceiver, index):
     kb = perceiver.kb
     gamma = detect(picture([standing(*PLACES[0])]), CAMERA, kb.appearance_types, kb.words)
@@ -137,9 +85,11 @@ def test_everything_that_is_set_down_stands_on_a_face(perceiver, index):
 def test_on_the_plane_the_search_finds_what_stands_there_and_nothing_where_it_is_taken(perceiver, index):
     kb, truth = perceiver.kb, standing(*PLACES[0], 10.0)
     data = data_of(detect(picture([truth]), CAMERA, kb.appearance_types, kb.words).appearances, CAMERA, perceiver.width)
-    found = resting(index, TABLE, data, kb, np.zeros((0, 4)))
+    found = resting(index, Known(TABLE, np.eye(3) * 1e-6), data, kb, np.zeros((0, 4)))
     assert any(same(posed.camera_from_object, truth) for _, posed in found)
-    assert resting(index, TABLE, data, kb, np.array([[*truth[:3, 3], index.inner_radius]])) == [
+    assert resting(
+        index, Known(TABLE, np.eye(3) * 1e-6), data, kb, np.array([[*truth[:3, 3], index.inner_radius]])
+    ) == [
         (worth, posed)
         for worth, posed in found
         if np.linalg.norm(posed.camera_from_object[:3, 3] - truth[:3, 3]) > 2.0 * index.inner_radius
@@ -160,17 +110,9 @@ def test_where_gravity_is_not_said_to_hold_nothing_is_asked_of_planes(perceiver,
     truths = [standing(*PLACES[0]), standing(*PLACES[1], 12.0)]
     told = looked(perceiver, truths)
     assert steps(told)
-    monkeypatch.setattr("plogic.cycle.perception.supported", None)  # would not be callable
+    monkeypatch.setattr("plogic.cycle.support.supported", None)  # would not be callable
     untold = looked(Perceiver(replace(perceiver.kb, gravity=False)), truths)
     assert not steps(untold)
     plain = [{**step, "step": 0} for step in untold["trace"]]
     assert plain == [{**step, "step": 0} for step in told["trace"] if step["event"] != "support"]
     assert untold["hypotheses"] == told["hypotheses"]
-
-
-def test_a_plane_seen_from_below_is_none(index):
-    """Nothing stands on a ceiling: the camera is above what things stand on."""
-    below = inverse(from_rotation_translation(np.diag([1.0, -1.0, -1.0]), (0, 0, 0.9)))
-    poses = [below @ inverse(EYE) @ standing(*place) for place in PLACES[:2]]
-    support = support_of([(index, pose) for pose in poses])
-    assert support is None or support.plane.offset > 0.0

@@ -180,6 +180,10 @@ class Search(Protocol):
         """The hypotheses that the free data suggest on a plane, of each type of which none is accepted, best first."""
         yield from ()
 
+    def stood(self, posed: Hypothesis, known: Known, others: Sequence[Hypothesis]) -> Hypothesis:  # noqa: ARG002 - as above
+        """A hypothesis moved to where contact with a plane and the photo, where these others may hide it, agree."""
+        return posed
+
     def demanded(self, model: TypeModel, posed: Hypothesis) -> float:
         """The log-likelihood ratio that a hypothesis must exceed in this Γ, beyond what any pose has."""
         return model.significance(posed)

@@ -31,7 +31,7 @@ from plogic.match.learned.agreement import Lobes, lobes_of
 from plogic.match.learned.convincing import demanded
 from plogic.match.learned.keypoints import Lexicon, lexicon_of
 from plogic.match.learned.learned_match import ROBUST, matched, pose_of, precision
-from plogic.match.learned.learned_pixels import NO_POSES, hiding, looked_beside, pictured
+from plogic.match.learned.learned_pixels import NO_POSES, hiding, looked_beside, pictured, stood
 from plogic.match.learned.learned_poses import NOBODY, REFINED, VERIFIED, Voted, generate, resting, voted
 from plogic.match.learned.learned_views import PRINTED, SEEN, VIEWS, keypoints_shown, maps_for, seen_anywhere, seen_on
 from plogic.measures.distinctiveness import Kinds, kinds_of, rank_of_kinds
@@ -292,8 +292,8 @@ class LearnedSearch(Search):
     """The search in what is left of Γ.
 
     ``_searched``: the types searched for before, each with how many of it were accepted then; ``_seen``: the poses that
-    the whole photo suggested of them; ``_odds``: what pixels told at most of each, and ``_demanded`` by that; ``_stood``: the planes on
-    which each was looked for.
+    the whole photo suggested of them; ``_odds``: what pixels told at most of each, and ``_demanded`` by that;
+    ``_stood``: the planes on which each was looked for.
     """
 
     models: Mapping[str, LearnedIndex]
@@ -380,6 +380,10 @@ class LearnedSearch(Search):
             for index, (found, _) in zip(asked, searches, strict=True):
                 self._stood.setdefault(index.object_type.name, []).append(known.plane)
                 yield found
+
+    def stood(self, posed: Hypothesis, known: Known, others: Sequence[Hypothesis]) -> Hypothesis:
+        """A hypothesis moved to where contact with a plane and its pixels agree; as it was where no photo was asked."""
+        return stood(self.models[posed.type], posed, known, others, self.request)
 
     def demanded(self, model: TypeModel, posed: Hypothesis) -> float:
         """Of what pixels tell so much less, the more of the types are there."""

@@ -15,6 +15,7 @@ from typing import TYPE_CHECKING, TypeAlias
 
 import numpy as np
 
+from geometry.bodies.standing import Contact
 from geometry.frames import transform_points
 from geometry.visibility.rays import RayMesh
 from plogic.facts.pixel_table import MOST_BEFORE, PixelTable
@@ -24,10 +25,11 @@ from plogic.match.judged.rivals import apart_on_screen, distinct, overlap, same_
 
 if TYPE_CHECKING:
     from geometry.arrays import Floats
-    from geometry.bodies.standing import Contact
+    from geometry.bodies.standing import Known
     from kb.clouds.cloud import KnowledgeBase
     from plogic.facts.hypothesis import Hypothesis
     from plogic.match.gamma.data import Data
+    from plogic.match.judged.type_models import Request
     from plogic.match.learned.learned_models import LearnedIndex
     from sensing.pixels.drawn import Paint
     from sensing.pixels.photo import Photo
@@ -163,6 +165,32 @@ def looked_beside(index: LearnedIndex, posed: Hypothesis, others: Sequence[Hypot
     if crop is None:
         return posed
     return posed.told(pixels=fit_of(crop, index.paint, posed.camera_from_object, whole=True).odds)
+
+
+def stood(
+    index: LearnedIndex,
+    posed: Hypothesis,
+    known: Known,
+    others: Sequence[Hypothesis],
+    request: Request,
+) -> Hypothesis:
+    """The hypothesis moved to where its pixels and contact with a plane agree; as it was where no photo was asked."""
+    data, kb = request.data, request.kb
+    if posed.pixels is None or data.photo is None or index.paint is None:
+        return posed
+    from sensing.pixels.crop import crop_of
+    from sensing.pixels.energy import fit_of, trusted
+    from sensing.pixels.refine import FINE, exact, settled
+
+    near = [other for other in others if not apart_on_screen(posed, other, data.camera.f, 0.0)]
+    crop = crop_of(data.photo, index.paint, posed.camera_from_object, FINE, hiding(near))
+    if crop is None:
+        return posed
+    trust = trusted([fit_of(crop, index.paint, posed.camera_from_object)])
+    contact = Contact(*known, index.resting)
+    pose = settled(crop, index.paint, posed.camera_from_object, exact(trust), contact)
+    pixels = fit_of(crop, index.paint, pose, whole=True).odds
+    return index.settle(pose, data, kb, rounds=0).told(**posed.verdict(), pixels=pixels, stance=posed.stance)
 
 
 def pictured(index: LearnedIndex, posed: Hypothesis, others: Mapping[str, Hypothesis], data: Data) -> Hypothesis:

@@ -229,9 +229,7 @@ def resting(
     return settled_best(index, best[worth >= WORTHLESS], data, kb, VERIFIED_RESTING)
 
 
-def _rested(
-    index: LearnedIndex, plane: Plane, data: Data, kb: KnowledgeBase, taken: Floats
-) -> tuple[Floats, Floats]:
+def _rested(index: LearnedIndex, plane: Plane, data: Data, kb: KnowledgeBase, taken: Floats) -> tuple[Floats, Floats]:
     """Poses (N, 4, 4) on the plane, refined on it, with their worth (N,), best first."""
     pairs = pairs_of(index, data)
     poses = set_down(index, pairs, plane, data)

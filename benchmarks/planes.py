@@ -1,0 +1,129 @@
+"""How exactly things stand on planes, how often what is not there stands there too, and how well planes are found.
+
+``python benchmarks/planes.py KB DATASET``: the types of KB are those of DATASET, real photos in BOP's layout, by number
+or by name. The true plane of a photo is the one that the true poses speak for (``plogic.cycle.planes``). Prints by how
+much true poses that stand on it are off it (``geometry.bodies.standing.TILTED``, ``LEVEL``); how many of the proposals
+of a free search that are wrong stand on it all the same (``plogic.cycle.planes.BY_CHANCE``), and how many of the
+others; and how far the plane is on which what was accepted stands.
+"""
+
+import argparse
+from dataclasses import replace
+from pathlib import Path
+from typing import NamedTuple
+
+import numpy as np
+
+from benchmarks.photos.answers import Shown, photos_of
+from benchmarks.photos.score import OUTLINED, Posed, overlap_of
+from geometry.arrays import Floats
+from geometry.bodies.resting import Plane
+from geometry.bodies.standing import log_ratios, off
+from plogic.base.clock import Stopwatch
+from plogic.cycle.delta import Options
+from plogic.cycle.planes import Bodies, Setting, bodies_of, standing_on, supported
+from plogic.facts.hypothesis import Hypothesis
+from plogic.run.bop.dataset import open_dataset
+from plogic.run.bop.models import ids_of, model_names
+from plogic.run.perceive import Perceiver
+from plogic.run.sources import detected, kb_of
+
+SURE = 50.0
+"""Log-odds of what is there."""
+
+
+class Looked(NamedTuple):
+    """Of one photo: what true poses are off their plane, rows of tilt (rad) and share of the distance.
+
+    ``wrong``, ``right``: of free proposals, whether each stands on the true plane; ``error``: of the plane found, rad
+    and a share of its height, None where there is none.
+    """
+
+    truths: Floats
+    wrong: list[bool]
+    right: list[bool]
+    error: tuple[float, float] | None
+
+
+def plane_of(bodies: Bodies, rests: float) -> Plane | None:
+    """The likeliest plane."""
+    planes = supported(bodies, rests).planes
+    return planes[0].known.plane if planes else None
+
+
+def off_plane(bodies: Bodies, plane: Plane, rests: float) -> Floats:
+    """(N, 2) of those that stand on a plane: the tilt, rad, and the height above it, a share of the distance."""
+    rows, stands = [], bodies.stands
+    ratios = log_ratios(stands, plane)
+    tilted, above = off(stands, plane)
+    for body in np.flatnonzero(standing_on(bodies, plane, rests) > 0.5):
+        way = max(np.flatnonzero(stands.body == body), key=lambda k: ratios[k])
+        rows.append((np.linalg.norm(tilted[way]), above[way] / np.linalg.norm(stands.foot[way])))
+    return np.array(rows).reshape(-1, 2)
+
+
+def looked(perceiver: Perceiver, shown: Shown, numbers: dict[str, int]) -> Looked | None:
+    """One photo; None where its truth stands on no plane."""
+    kb, clock = replace(perceiver.kb, maybe=True), Stopwatch()
+    setting, rests = Setting(perceiver.models, shown.camera, kb), kb.rests or 0.0
+    names = {number: name for name, number in numbers.items()}
+    known = [(names[truth.obj_id], truth) for truth in shown.truths if truth.obj_id in names]
+    truths = [
+        Hypothesis(name, truth.camera_from_object, opaque=True, surplus=SURE, pixels=SURE) for name, truth in known
+    ]
+    bodies = bodies_of(truths, [], setting)
+    plane = plane_of(bodies, rests)
+    if plane is None or len(truths) < 2:
+        return None
+    gamma = detected(shown.image, shown.camera, kb, clock)
+    cycle = perceiver.cycle(gamma, Options(reading="posterior"), clock, image=shown.image)[1]
+    neither = {names.get(number) for number in shown.neither}
+    every = (*cycle.accepted, *cycle.considered, *cycle.rejected)
+    some = [h for h in every if h.pixels is not None and not h.put and h.type not in neither]
+    on = standing_on(bodies_of(some, [], setting), plane, rests) > 0.5
+    told: dict[bool, list[bool]] = {True: [], False: []}
+    for posed, stands in zip(some, on, strict=True):
+        told[any(_found(posed, truth, perceiver, shown) for name, truth in known if name == posed.type)].append(
+            bool(stands)
+        )
+    found = plane_of(bodies_of(cycle.accepted, [], setting), rests) if cycle.accepted else None
+    error = None
+    if found is not None:
+        turned = float(np.arccos(np.clip(found.up @ plane.up, -1.0, 1.0)))
+        error = turned, abs(found.offset / plane.offset - 1.0)
+    return Looked(off_plane(bodies, plane, rests), told[False], told[True], error)
+
+
+def _found(posed: Hypothesis, truth: Posed, perceiver: Perceiver, shown: Shown) -> bool:
+    surface = perceiver.models[posed.type].object_type.surface
+    answer = Posed(truth.obj_id, posed.camera_from_object)
+    return surface is not None and overlap_of(answer, truth, surface.rays, shown.camera) >= OUTLINED
+
+
+def main(kb_folder: str, dataset: Path) -> None:
+    """Print it all."""
+    perceiver = Perceiver(replace(kb_of(kb_folder), maybe=True))
+    known = model_names(dataset / "models") | ids_of([kind.name for kind in perceiver.kb.types], {})
+    numbers = {name: known[name] for name in perceiver.models if name in known}
+    rows = [one for shown in photos_of(open_dataset(dataset)) if (one := looked(perceiver, shown, numbers)) is not None]
+    truths = np.concatenate([one.truths for one in rows])
+    tilt, level = np.sqrt(np.mean(truths[:, 0] ** 2) / 2.0), np.sqrt(np.mean(truths[:, 1] ** 2))
+    print(f"{len(truths)} true poses: off their plane by {tilt:.3f} rad about each axis, {level:.4f} of the distance")  # noqa: T201 - a script
+    for name, told in (
+        ("wrong", [s for one in rows for s in one.wrong]),
+        ("found", [s for one in rows for s in one.right]),
+    ):
+        print(f"free proposals that are {name}: {sum(told)} of {len(told)} stand on the true plane")  # noqa: T201
+    for one in rows:
+        told = (
+            "none" if one.error is None else f"{np.degrees(one.error[0]):.1f} degrees, {one.error[1]:.3f} of its height"
+        )
+        print(f"plane found: off by {said}")  # noqa: T201
+
+
+if __name__ == "__main__":
+    parser = argparse.ArgumentParser(description=(__doc__ or "").partition("\n")[0])
+    parser.add_argument("kb", metavar="KB")
+    parser.add_argument("dataset", type=Path, metavar="DATASET")
+    asked = parser.parse_args()
+    main(asked.kb, asked.dataset)

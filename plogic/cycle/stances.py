@@ -1,0 +1,121 @@
+"""What the hypotheses of Δh stand on, and how, as the program is told (formalism §9.9).
+
+The planes are those that Δh speaks for (``plogic.cycle.planes``). A hypothesis may stand on a plane, on one of its
+faces; or on another hypothesis, whose top is under its foot, with a face that lies as level as the likeliest plane.
+"""
+
+from collections.abc import Iterator, Mapping
+from typing import NamedTuple
+
+import numpy as np
+import shapely
+
+from geometry.arrays import Floats
+from geometry.bodies.resting import Plane, along_plane
+from geometry.bodies.standing import Known, Stands, log_ratios
+from geometry.frames import transform_points
+from plogic.cycle.planes import MOST, NONE, Believed, Bodies, Setting, bodies_of, supported
+from plogic.facts.hypothesis import Hypothesis
+from plogic.facts.stances import Row, Stance, Support, SupportPlane
+
+STACKED = 0.2
+"""P(what rests stands on another of Δh), where there is one that it may stand on."""
+WORTHLESS = 1e-3
+"""Chance times ratio below which a way of standing is not told: beside being free it is nothing."""
+TOP = 0.1
+"""Share of a body's height that is its top."""
+SLACK = 0.01
+"""Metres by which a foot may be beside a top."""
+
+
+class _Way(NamedTuple):
+    """A stance of a body by number, with the chance of its face alone."""
+
+    body: int
+    on: str
+    face: int
+    chance: float
+    log_ratio: float
+
+
+def support_of_view(posed: Mapping[str, Hypothesis], setting: Setting) -> Support | None:
+    """Of Δh, by id; None where nobody said that things rest, or how types may stand."""
+    rests = setting.kb.rests
+    if rests is None or not setting.models:
+        return None
+    names = sorted(posed, key=lambda name: posed[name].status != "accepted")
+    accepted = [posed[name] for name in names if posed[name].status == "accepted"]
+    bodies = bodies_of(accepted, [posed[name] for name in names[len(accepted) :]], setting)
+    planes = supported(bodies, rests).planes[:MOST]
+    rows = [(f"s{k}", plane) for k, plane in enumerate(planes, 1)]
+    ways = [way for name, plane in rows for way in _on_plane(name, bodies.stands, plane.known.plane)]
+    if planes:
+        ways += _on_others(names, posed, bodies, planes[0].known.plane)
+    return Support(rests, NONE, tuple(_told(*row) for row in rows), tuple(_stances(names, ways, rests)))
+
+
+def _stances(names: list[str], ways: list[_Way], rests: float) -> Iterator[Stance]:
+    """The ways, of which those on others share ``STACKED`` among them, and those on a plane have the rest."""
+    stacked = {way.body: {other.on for other in ways if other.body == way.body and other.on in names} for way in ways}
+    for way in ways:
+        others = len(stacked[way.body])
+        share = STACKED / others if way.on in names else 1.0 - STACKED * bool(others)
+        chance = rests * share * way.chance
+        if chance * np.exp(way.log_ratio) > WORTHLESS:
+            yield Stance(names[way.body], way.on, way.face, chance, way.log_ratio)
+
+
+def _on_plane(name: str, stands: Stands, plane: Plane) -> Iterator[_Way]:
+    for row, ratio in zip(
+        zip(stands.body, stands.face, stands.chance, strict=True), log_ratios(stands, plane), strict=True
+    ):
+        yield _Way(int(row[0]), name, int(row[1]), float(row[2]), float(ratio))
+
+
+def _on_others(names: list[str], posed: Mapping[str, Hypothesis], bodies: Bodies, plane: Plane) -> Iterator[_Way]:
+    """On what has its middle below, and its top under the foot."""
+    axes, feet = along_plane(plane.up), bodies.stands.foot
+    middles = [float(plane.height(posed[name].middle)) for name in names]
+    for k, name in enumerate(names):
+        surface = posed[name].object_type.surface
+        if surface is None:
+            continue
+        places = transform_points(posed[name].camera_from_object, surface.vertices)
+        heights = plane.height(places)
+        top = float(heights.max())
+        area = shapely.MultiPoint(places[heights > top - TOP * np.ptp(heights)] @ axes).convex_hull.buffer(SLACK)
+        on = shapely.contains_xy(area, *(feet @ axes).T)
+        over = on & (np.array(middles)[bodies.stands.body] > middles[k]) & (bodies.stands.body != k)
+        raised = Plane(plane.up, plane.offset - top)
+        if over.any() and raised.offset > 0.0:
+            yield from _on_plane(name, Stands(*(part[over] for part in bodies.stands)), raised)
+
+
+def _told(name: str, plane: Believed) -> SupportPlane:
+    """The plane as the program is told: its tilts are those about ``level_axes``."""
+    up, covariance = plane.known.plane.up, _about_level_axes(plane.known)
+    rows = tuple(_row(row) for row in covariance)
+    return SupportPlane(
+        name, _row(up), -plane.known.plane.offset, (rows[0], rows[1], rows[2]), float(np.exp(plane.log_prior))
+    )
+
+
+def _about_level_axes(known: Known) -> Floats:
+    """(3, 3) over turns about the camera's x, made level, and about what is level at right angles to it; and n·x."""
+    up = known.plane.up
+    first = np.eye(3)[0] - up[0] * up
+    first = first / np.linalg.norm(first) if np.linalg.norm(first) > LEVEL else along_plane(up)[:, 0]
+    second = np.cross(up, first)
+    # a turn about the first moves the normal along -second, one about the second along the first
+    to = np.zeros((3, 3))
+    to[:2, :2] = np.stack([-second, first]) @ along_plane(up)
+    to[2, 2] = -1.0
+    return np.asarray(to @ known.covariance @ to.T)
+
+
+LEVEL = 1e-6
+
+
+def _row(values: Floats) -> Row:
+    x, y, z = (float(value) for value in values)
+    return x, y, z
