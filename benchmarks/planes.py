@@ -115,7 +115,7 @@ def main(kb_folder: str, dataset: Path) -> None:
     ):
         print(f"free proposals that are {name}: {sum(told)} of {len(told)} stand on the true plane")  # noqa: T201
     for one in rows:
-        told = (
+        said = (
             "none" if one.error is None else f"{np.degrees(one.error[0]):.1f} degrees, {one.error[1]:.3f} of its height"
         )
         print(f"plane found: off by {said}")  # noqa: T201

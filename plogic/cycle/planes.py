@@ -9,12 +9,12 @@ how likely it is that one of it is there, and stands or is free, tells a plane f
 """
 
 from collections.abc import Mapping, Sequence
-from typing import NamedTuple
+from typing import NamedTuple, Protocol
 
 import numpy as np
 
 from geometry.arrays import Floats, Ints
-from geometry.bodies.resting import Plane
+from geometry.bodies.resting import Plane, RestingFaces
 from geometry.bodies.standing import Known, Stands, alike, fitted, joined, log_free, log_ratios, ways
 from geometry.camera import Camera
 from kb.clouds.cloud import KnowledgeBase
@@ -113,17 +113,37 @@ def bodies_of(accepted: Sequence[Hypothesis], proposed: Sequence[Hypothesis], se
     )
 
 
+class Standing(Protocol):
+    """What can stand: a ``TypeModel``, or a body without one."""
+
+    @property
+    def centre(self) -> Floats:
+        """(3,) m, its middle, object frame."""
+        ...
+
+    @property
+    def resting(self) -> RestingFaces:
+        """The faces that it stands on."""
+        ...
+
+
 def _ways(number: int, posed: Hypothesis, setting: Setting) -> Stands:
     model, pose = setting.models[posed.type], posed.camera_from_object
+    if posed.pixels is not None:
+        return roughly(number, model, pose)
+    told = np.linalg.inv(pose_information(posed, setting.camera, setting.kb))
+    tilt = float(np.sqrt(np.trace(told[:3, :3]) / 3.0 + INEXACT[0] ** 2))
+    level = (INEXACT[1] * float(np.linalg.norm(pose[:3, :3] @ model.centre + pose[:3, 3]))) ** 2 * np.eye(3)
+    return ways(number, model.resting, pose, model.centre, tilt, told[3:, 3:] + level)
+
+
+def roughly(number: int, model: Standing, pose: Floats) -> Stands:
+    """How a body may stand whose pose (4, 4) is known as well as pixels tell it."""
     here = pose[:3, :3] @ model.centre + pose[:3, 3]
     far = float(np.linalg.norm(here))
     sight = here / far
-    if posed.pixels is not None:
-        spread = far**2 * (ASIDE**2 * np.eye(3) + (DEPTH**2 - ASIDE**2) * np.outer(sight, sight))
-        return ways(number, model.resting, pose, model.centre, TILT, spread)
-    told = np.linalg.inv(pose_information(posed, setting.camera, setting.kb))
-    tilt = float(np.sqrt(np.trace(told[:3, :3]) / 3.0 + INEXACT[0] ** 2))
-    return ways(number, model.resting, pose, model.centre, tilt, told[3:, 3:] + (INEXACT[1] * far) ** 2 * np.eye(3))
+    spread = far**2 * (ASIDE**2 * np.eye(3) + (DEPTH**2 - ASIDE**2) * np.outer(sight, sight))
+    return ways(number, model.resting, pose, model.centre, TILT, spread)
 
 
 def supported(bodies: Bodies, rests: float) -> Supported:

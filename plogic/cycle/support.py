@@ -15,9 +15,12 @@ from typing import NamedTuple
 
 import numpy as np
 
+from geometry.arrays import Floats
 from geometry.bodies.resting import Plane
+from geometry.bodies.standing import joined
+from kb.clouds.cloud import UNKNOWN_SUPPORT
 from plogic.cycle.judging import judge
-from plogic.cycle.planes import STANDS, Setting, bodies_of, standing_on, supported
+from plogic.cycle.planes import STANDS, Bodies, Setting, Standing, bodies_of, roughly, standing_on, supported
 from plogic.cycle.state import Proposal, State, Step, Task
 from plogic.facts.hypothesis import Hypothesis
 from plogic.match.gamma.data import Data
@@ -27,6 +30,8 @@ SURE = 50.0
 """Log-odds of what is accepted."""
 LIKELY = 0.5
 """Probability from which a plane is searched."""
+RESTS = 1.0 - UNKNOWN_SUPPORT
+"""P(a thing rests), where a knowledge base does not say."""
 FEWEST = 2
 """Accepted objects that must stand on a plane for it to say which way is up: one alone could stand on any face."""
 
@@ -40,10 +45,22 @@ class Support(NamedTuple):
 
 def support_of(accepted: Sequence[Hypothesis], setting: Setting) -> Support | None:
     """The plane below the camera on which most of these objects stand; None where no two do, or nothing rests."""
-    rests = setting.kb.rests
-    if rests is None:
+    if setting.kb.rests is None:
         return None
-    bodies = bodies_of([posed.told(surplus=SURE, stance=0.0) for posed in accepted], [], setting)
+    return _agreed(
+        bodies_of([posed.told(surplus=SURE, stance=0.0) for posed in accepted], [], setting), setting.kb.rests
+    )
+
+
+def plane_under(posed: Sequence[tuple[Standing, Floats]], rests: float = RESTS) -> Support | None:
+    """The same of bodies at poses (4, 4)."""
+    stands = joined([roughly(k, body, pose) for k, (body, pose) in enumerate(posed)])
+    number = len(posed)
+    sure, names = np.full(number, SURE), tuple(map(str, range(number)))
+    return _agreed(Bodies(names, np.arange(number), sure, stands, np.zeros(number)), rests)
+
+
+def _agreed(bodies: Bodies, rests: float) -> Support | None:
     found = supported(bodies, rests)
     if not found.planes or found.probability[0] < STANDS:
         return None

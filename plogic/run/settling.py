@@ -25,7 +25,7 @@ from kb.errors import SurfaceError
 from kb.surfaces.surface import Surface
 from plogic.base.errors import InputError
 from plogic.cycle.placing import shape_in
-from plogic.cycle.support import support_of
+from plogic.cycle.support import plane_under
 from plogic.facts.carried_rows import MeshRow
 from plogic.facts.document import HypothesisRow, Interpretation
 from plogic.facts.fact_rows import PlaneRow
@@ -268,7 +268,7 @@ def floor_of(document: Interpretation, placed: Sequence[Placed], plane: str = ""
     world_from_camera = document["camera"].get("T_world_camera") if "camera" in document else None
     if world_from_camera is not None:
         return _ground(document, np.array(world_from_camera, float), placed)
-    support = support_of([(one, one.pose) for one in placed])
+    support = plane_under([(one, one.pose) for one in placed])
     if support is None:
         raise InputError(NO_UP)
     who = ", ".join(placed[i].row["id"] for i in support.by)
