@@ -175,21 +175,26 @@ def _abduced(bodies: Bodies, rests: float) -> list[Believed]:
     found: list[tuple[float, Believed]] = []
     for start in np.argsort(-likely, kind="stable")[:STARTS]:
         up = stands.up[start]
-        share = np.zeros(len(likely))
-        share[start] = 1.0
-        known = fitted(stands, share, Plane(up, -float(up @ stands.foot[start])))
-        for _ in range(ROUNDS):
-            share = _shares(bodies, known.plane, there, rests)
-            known = fitted(stands, share, known.plane)
-            if known.plane.offset <= 0.0:
-                break
-        if known.plane.offset > 0.0:
+        plane = Plane(up, -float(up @ stands.foot[start]))
+        if any(alike(plane, other.known.plane) for _, other in found):
+            continue
+        known = _settled(bodies, plane, start, rests)
+        if known is not None and not any(alike(known.plane, other.known.plane) for _, other in found):
             found.append(_weighed(bodies, known, there, rests))
-    kept: list[Believed] = []
-    for _, plane in sorted(found, key=lambda row: -row[0]):
-        if all(not alike(plane.known.plane, other.known.plane) for other in kept):
-            kept.append(plane)
-    return kept
+    return [plane for _, plane in sorted(found, key=lambda row: -row[0])]
+
+
+def _settled(bodies: Bodies, plane: Plane, start: int, rests: float) -> Known | None:
+    """The plane from one way of standing on, fitted to all that stand on it; None where the camera comes below it."""
+    there = bodies.present
+    share = np.zeros(len(bodies.stands.body))
+    share[start] = 1.0
+    known = fitted(bodies.stands, share, plane)
+    for _ in range(ROUNDS):
+        if known.plane.offset <= 0.0:
+            return None
+        known = fitted(bodies.stands, _shares(bodies, known.plane, there, rests), known.plane)
+    return known if known.plane.offset > 0.0 else None
 
 
 def _factors(bodies: Bodies, plane: Plane, rests: float) -> tuple[Floats, Floats]:

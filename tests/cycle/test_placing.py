@@ -13,7 +13,6 @@ import trimesh
 from synthetic import CAMERA, belief_at, cycle_of, data, one_before_the_other, perceiver, scene, towers
 
 from geometry.frames import inverse, look_at, transform_points
-from kb.clouds.cloud import KnowledgeBase
 from kb.surfaces.surface import Surface
 from plogic.cycle.delta import Options, delta_of
 from plogic.cycle.placing import space_of_view, upward
@@ -79,7 +78,7 @@ def test_a_camera_that_is_turned_keeps_above_and_on(eye, up):
 def test_without_a_known_up_nothing_is_above_anything():
     space = space_of(camera(knows=False))
     assert (space.up, space.up_from, space.above, space.on) == (None, "", (), ())
-    assert upward([], Setting({}, camera(knows=False), KnowledgeBase())) == (None, "")
+    assert upward([], Setting({}, CAMERA, SimpleNamespace(rests=0.9))) == (None, "")
     assert len(space.gaps) == 6
 
 
