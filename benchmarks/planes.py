@@ -15,6 +15,7 @@ from typing import NamedTuple
 import numpy as np
 
 from benchmarks.photos.answers import Shown, photos_of
+from benchmarks.photos.planes import true_bodies, true_plane
 from benchmarks.photos.score import OUTLINED, Posed, overlap_of
 from geometry.arrays import Floats
 from geometry.bodies.resting import Plane
@@ -27,9 +28,6 @@ from plogic.run.bop.dataset import open_dataset
 from plogic.run.bop.models import ids_of, model_names
 from plogic.run.perceive import Perceiver
 from plogic.run.sources import detected, kb_of
-
-SURE = 50.0
-"""Log-odds of what is there."""
 
 
 class Looked(NamedTuple):
@@ -68,13 +66,10 @@ def looked(perceiver: Perceiver, shown: Shown, numbers: dict[str, int]) -> Looke
     setting, rests = Setting(perceiver.models, shown.camera, kb), kb.rests or 0.0
     names = {number: name for name, number in numbers.items()}
     known = [(names[truth.obj_id], truth) for truth in shown.truths if truth.obj_id in names]
-    truths = [
-        Hypothesis(name, truth.camera_from_object, opaque=True, surplus=SURE, pixels=SURE) for name, truth in known
-    ]
-    bodies = bodies_of(truths, [], setting)
-    plane = plane_of(bodies, rests)
-    if plane is None or len(truths) < 2:
+    plane = true_plane(shown, names, setting.models, kb)
+    if plane is None:
         return None
+    bodies = bodies_of(true_bodies(shown, names, setting.models), [], setting)
     gamma = detected(shown.image, shown.camera, kb, clock)
     cycle = perceiver.cycle(gamma, Options(reading="posterior"), clock, image=shown.image)[1]
     neither = {names.get(number) for number in shown.neither}

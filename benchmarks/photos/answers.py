@@ -12,6 +12,7 @@ import numpy as np
 
 from benchmarks.photos.score import Posed
 from benchmarks.photos.told import forecasts, type_of
+from geometry.bodies.resting import Plane
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Mapping
@@ -23,6 +24,7 @@ if TYPE_CHECKING:
     from plogic.cycle.state import Cycle
     from plogic.facts.document import Interpretation
     from plogic.facts.hypothesis import Hypothesis
+    from plogic.match.judged.type_models import TypeModel
     from plogic.run.bop.dataset import Dataset
     from plogic.run.bop.models import Model
 
@@ -49,7 +51,8 @@ class Shown(NamedTuple):
 class Answer(NamedTuple):
     """What was accepted, in how many seconds, and what the document claims with what came of it.
 
-    ``first``: of each type the candidate that its pixels speak for most, accepted or not.
+    ``first``: of each type the candidate that its pixels speak for most, accepted or not; ``plane``: the most probable
+    of ``support_planes``.
     """
 
     shown: Shown
@@ -57,6 +60,7 @@ class Answer(NamedTuple):
     seconds: float
     told: tuple[Forecast, ...]
     first: tuple[Posed, ...] = ()
+    plane: Plane | None = None
 
     def said(self, names: Mapping[int, str]) -> str:
         """A line of progress."""
@@ -88,6 +92,14 @@ def photos_of(dataset: Dataset) -> Iterator[Shown]:
         yield Shown(f"{scene_id}/{im_id}", frame.image, frame.camera, tuple(truths[0]), tuple(truths[1]), unposed)
 
 
+def planes_of(document: Interpretation) -> dict[str, Plane]:
+    """The planes that a document tells, by name, the most probable first."""
+    return {
+        row["name"]: Plane(np.array(row["plane"]["normal"]), -float(row["plane"]["offset"]))
+        for row in sorted(document.get("support_planes", ()), key=lambda row: -row["probability"])
+    }
+
+
 class Looker:
     """A knowledge base that is asked what photos show, its types known by BOP numbers.
 
@@ -117,7 +129,13 @@ class Looker:
         """Perceive a photo, and what came of it."""
         document, cycle, seconds = self.looked(shown)
         told = forecasts(document, self.numbers, shown, models)
-        return Answer(shown, tuple(self.accepted(document).values()), seconds, tuple(told), self._first(cycle))
+        mine, plane = tuple(self.accepted(document).values()), next(iter(planes_of(document).values()), None)
+        return Answer(shown, mine, seconds, tuple(told), self._first(cycle), plane)
+
+    @property
+    def models(self) -> Mapping[str, TypeModel]:
+        """Its types made ready."""
+        return self._perceiver.models
 
     def _first(self, cycle: Cycle) -> tuple[Posed, ...]:
         best: dict[str, Hypothesis] = {}

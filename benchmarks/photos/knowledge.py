@@ -8,6 +8,7 @@ from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from kb.clouds.cloud import UNKNOWN_SUPPORT
 from plogic.face.shown.options import Learning
 from plogic.run.bop.models import ids_of, model_names
 
@@ -51,3 +52,8 @@ def _learn(folder: Path, models: Path, seed: int, say: Callable[[str], None]) ->
 def of_types(kb: KnowledgeBase, names: Collection[str]) -> KnowledgeBase:
     """Σ with these types alone; its words stay."""
     return replace(kb, types=tuple(kind for kind in kb.types if kind.name in names))
+
+
+def resting(kb: KnowledgeBase, *, maybe: bool) -> KnowledgeBase:
+    """The knowledge base that says ``gravity: maybe``, or ``gravity: false``."""
+    return replace(kb, gravity=False, maybe=maybe, unknown_support=UNKNOWN_SUPPORT, ground=None)

@@ -5,12 +5,11 @@ The models lie where those of ``plogic bench photos`` do: each set's types are i
 
 from __future__ import annotations
 
-from dataclasses import replace
 from typing import TYPE_CHECKING, NamedTuple
 
 from benchmarks.photos import bench as photos
 from benchmarks.photos.answers import Looker
-from benchmarks.photos.knowledge import known, of_types
+from benchmarks.photos.knowledge import known, of_types, resting
 from benchmarks.photos.pictures import folder_made
 from benchmarks.photos.scenes import PLAIN, PRINTED, as_symmetric
 from benchmarks.photos.table import measure_of
@@ -21,7 +20,6 @@ from benchmarks.support.pictures import draw
 from benchmarks.support.scenes import FIRST, STEP, pictures_of
 from benchmarks.support.score import judged
 from benchmarks.support.solids import Solid
-from kb.clouds.cloud import UNKNOWN_SUPPORT
 from plogic.base.errors import InputError
 
 if TYPE_CHECKING:
@@ -157,8 +155,3 @@ def solids_of(kb: KnowledgeBase, groups: Mapping[str, Sequence[int]], names: Map
         return Solid(str(number), read_mesh(kind.mesh_file, kind.mesh_scale))
 
     return [[solid(number) for number in own] for own in groups.values()]
-
-
-def resting(kb: KnowledgeBase, *, maybe: bool) -> KnowledgeBase:
-    """The knowledge base that says ``gravity: maybe``, or ``gravity: false``."""
-    return replace(kb, gravity=False, maybe=maybe, unknown_support=UNKNOWN_SUPPORT, ground=None)

@@ -7,14 +7,13 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, NamedTuple
 
-import numpy as np
-
-from geometry.bodies.resting import Plane
+from benchmarks.photos.answers import planes_of
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
     from benchmarks.support.arranged import Kind
+    from geometry.bodies.resting import Plane
     from plogic.facts.document import Interpretation
 
 GOALS = "stands_on(H, X)", "rests_on(H, X)", "free(H)"
@@ -53,19 +52,14 @@ def said_of(document: Interpretation) -> Said | None:
     from plogic.face.python.interpretation import Interpretation as Asked
     from plogic.face.python.sessions import Session
 
-    rows = document.get("support_planes")
-    if rows is None:
+    if "support_planes" not in document:
         return None
     with Session(Asked(document)) as session:
         stands, rests, free = (
             {tuple(map(str, row.bindings.values())): row.probability for row in session.ask(goal).rows}
             for goal in GOALS
         )
-    planes = {
-        row["name"]: Plane(np.array(row["plane"]["normal"]), -float(row["plane"]["offset"]))
-        for row in sorted(rows, key=lambda row: -row["probability"])
-    }
-    return Said(planes, _pairs(stands), _pairs(rests), {name[0]: p for name, p in free.items()})
+    return Said(planes_of(document), _pairs(stands), _pairs(rests), {name[0]: p for name, p in free.items()})
 
 
 def _pairs(told: Mapping[tuple[str, ...], float]) -> dict[tuple[str, str], float]:
