@@ -8,6 +8,8 @@ What is not accepted is told from the rivals of Δi: a rival would be accepted i
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
 
+import numpy as np
+
 from geometry.arrays import Floats, Mask
 from kb.clouds.cloud import KnowledgeBase
 from plogic.cycle.state import Cycle, Proposal, State, Step, Task, among, free, step_of
@@ -89,10 +91,21 @@ def _unsupported(task: Task, state: State, hypothesis: Hypothesis) -> str | None
     if hypothesis.ev_reconsidered is None or hypothesis.ev_reconsidered <= 0.0:
         return f"ev {rounded(hypothesis.ev_reconsidered)} is not above 0"
     surplus = hypothesis.surplus + _harm(task, state.accepted, hypothesis)
+    if any(_in_line(hypothesis, other) for other in state.accepted):
+        surplus -= max(0.0, hypothesis.stance)
     demanded = task.demanded(hypothesis)
     if surplus <= demanded:
         return f"log-likelihood ratio {surplus:.1f} beyond what any pose has; {demanded:.1f} is demanded"
     return None
+
+
+def _in_line(one: Hypothesis, other: Hypothesis) -> bool:
+    """Whether two of a type are in one place of the picture: where the hinder one stands, hardly a pixel tells."""
+    if one.type != other.type or one.object_type.surface is None:
+        return False
+    sight, there = (posed.middle / posed.middle[2] for posed in (one, other))
+    nearer = min(one.middle[2], other.middle[2])
+    return bool(np.linalg.norm(sight - there) * nearer < 0.5 * one.object_type.surface.diameter)
 
 
 def _excluded(state: State, hypothesis: Hypothesis) -> str | None:

@@ -82,6 +82,12 @@ def leaning(task: Task, state: State) -> State:
         return state
     found = supported(bodies_of(state.accepted, proposed, setting_of(task)), rests)
     told = [_leans(h, float(worth)) for h, worth in zip((*state.accepted, *proposed), found.worth, strict=True)]
+    for models, search in task.searches:
+        best: dict[str, float] = {}
+        for posed in told:
+            if posed.type in models and posed.pixels is not None:
+                best[posed.type] = max(posed.pixels + posed.stance, best.get(posed.type, -np.inf))
+        search.reckon(best)
     number = len(state.accepted)
     proposals = (Proposal(h, p.beside) for h, p in zip(told[number:], state.proposals, strict=True))
     return replace(state, accepted=tuple(told[:number]), proposals=tuple(proposals), supported=found)

@@ -188,6 +188,10 @@ class Search(Protocol):
         """The log-likelihood ratio that a hypothesis must exceed in this Γ, beyond what any pose has."""
         return model.significance(posed)
 
+    def reckon(self, odds: Mapping[str, float]) -> None:  # noqa: ARG002 - a kind may demand the same always
+        """Be told by what log-odds the likeliest hypothesis of each type is there, with where it stands."""
+        return
+
     def deepen(self, left: Data, *, accepted: bool) -> str | None:  # noqa: ARG002 - a kind may have more to say
         """Search further the next time, and why; None where that is not done.
 

@@ -360,8 +360,12 @@ class LearnedSearch(Search):
                 self._odds[name] = max(best, self._odds.get(name, -np.inf))
                 self._searched[name] = given.count(name)
                 if len(self._odds) == len(self.models):
-                    self._demanded = demanded(np.array(list(self._odds.values())))
+                    self.reckon({})
                 yield found
+
+    def reckon(self, odds: Mapping[str, float]) -> None:
+        """Demand of pixels by how many of the types are there, as far as is known; ``odds``: the greatest of some."""
+        self._demanded = demanded(np.array(list({**self._odds, **odds}.values())))
 
     def standing(self, known: Known, left: Data, given: Given) -> Generator[Found]:
         """The hypotheses of each type that stand on a plane; of none that was looked for on it before."""
