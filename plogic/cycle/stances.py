@@ -22,6 +22,8 @@ STACKED = 0.2
 """P(what rests stands on another of Δh), where there is one that it may stand on."""
 WORTHLESS = 1e-3
 """Chance times ratio below which a way of standing is not told: beside being free it is nothing."""
+HARDLY = 0.01
+"""Probability below which a plane is not told."""
 TOP = 0.1
 """Share of a body's height that is its top."""
 SLACK = 0.01

@@ -27,6 +27,7 @@ from numpy.typing import NDArray
 from geometry.camera_row import CameraRow
 from plogic.face.shown.against import missed_on, silhouette
 from plogic.face.shown.edges import edges_of
+from plogic.face.shown.ground import Ground, draw_ground
 from plogic.face.shown.options import Marks
 from plogic.face.shown.pencil import Box, Colour, Pencil, Place, beside, free_place
 from plogic.facts.document import FeatureRow, HypothesisRow, Interpretation
@@ -73,8 +74,9 @@ def overlay(document: Interpretation, image: NDArray[np.uint8] | None, marks: Ma
     pencil = pencil_on(document["camera"], image)
     picture = pencil.picture
     accepted = [h for h in document.get("hypotheses", []) if h["status"] == "accepted"]
+    ground = draw_ground(pencil, document, {h["id"]: colour_of(i) for i, h in enumerate(accepted)})
     if marks == "none" or crowded(document):
-        return np.concatenate([picture, _draw_photo(pencil, accepted, document, marks)])
+        return np.concatenate([picture, _draw_photo(pencil, accepted, document, marks, ground)])
     dashed = _draw_edges(pencil, accepted, document)
     kinds = sorted({a["type"] for a in document.get("appearances", [])})
     full = [(f, i) for i, h in enumerate(accepted) for f in h.get("features", []) if f.get("case")]
@@ -84,7 +86,7 @@ def overlay(document: Interpretation, image: NDArray[np.uint8] | None, marks: Ma
             pencil.sign(a["uv"], a["type"], kinds)
     _draw_names(pencil, accepted, [a["uv"] for a in document.get("appearances", [])])
     entries = [*_case_entries(accepted, None), *((_name(h), swatch(colour_of(i))) for i, h in enumerate(accepted))]
-    entries += _edge_entries(accepted, dashed=dashed)
+    entries += [*_edge_entries(accepted, dashed=dashed), *_ground_entries(ground)]
     entries += [(k.replace("_", " "), partial(Pencil.sign, kind=k, kinds=kinds)) for k in kinds]
     return np.concatenate([picture, legend(picture.shape[1], entries)])
 
@@ -98,7 +100,7 @@ def pencil_on(camera: CameraRow, image: NDArray[np.uint8] | None) -> Pencil:
 
 
 def _draw_photo(
-    pencil: Pencil, accepted: list[HypothesisRow], document: Interpretation, marks: Marks
+    pencil: Pencil, accepted: list[HypothesisRow], document: Interpretation, marks: Marks, ground: Ground | None
 ) -> NDArray[np.uint8]:
     """Draw where features are missed, edges, dots where they are few or asked for, and names; return the legend."""
     size = int(document["camera"]["width"]), int(document["camera"]["height"])
@@ -120,7 +122,9 @@ def _draw_photo(
     ]
     hatched: Entry = "less than a third found of what was in learning", _hatched
     entries += [hatched] * any(map(np.any, missed))
-    return legend(pencil.picture.shape[1], entries + _edge_entries(accepted, dashed=dashed))
+    return legend(
+        pencil.picture.shape[1], [*entries, *_edge_entries(accepted, dashed=dashed), *_ground_entries(ground)]
+    )
 
 
 def _few(accepted: list[HypothesisRow]) -> bool:
@@ -309,6 +313,12 @@ def _chance(h: HypothesisRow) -> str:
 def _edge_entries(accepted: list[HypothesisRow], *, dashed: bool) -> list[Entry]:
     rows: list[Entry] = [("edge", partial(sample, dashed=False)), ("hidden edge", partial(sample, dashed=True))]
     return [row for row, some in zip(rows, (bool(accepted), dashed), strict=True) if some]
+
+
+def _ground_entries(ground: Ground | None) -> list[Entry]:
+    if ground is None:
+        return []
+    return [(f"plane {ground.name}, a line each {ground.step:g} m; feet", partial(Pencil.foot, colour=GREY))]
 
 
 def legend(width: int, entries: list[Entry]) -> NDArray[np.uint8]:

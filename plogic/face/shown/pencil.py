@@ -103,6 +103,13 @@ class Pencil:
         centre, arm = np.array(self.at(uv)), np.array([2.5, 2.5])
         self._strokes([centre + np.stack([-arm, arm]), centre + np.stack([-arm, arm]) * [1, -1]], colour, 3, 1)
 
+    def foot(self, uv: Place, colour: Colour) -> None:
+        """Draw the small mark of a place that something stands on: a cross in a flat ring."""
+        centre = np.array(self.at(uv))
+        ring = _circle(7) * [1.0, 0.45]
+        arms = [np.array([[-4.0, 0.0], [4.0, 0.0]]), np.array([[0.0, -3.0], [0.0, 3.0]])]
+        self._strokes([centre + part for part in (ring, *arms)], colour, 3, 1)
+
     def feature(self, uv: Place, colour: Colour, *, circle: bool, filled: bool) -> None:
         """Draw the mark of one feature: circle or square, filled or dashed. What is neither stays small."""
         centre, faint = np.array(self.at(uv)), not circle and not filled
