@@ -48,7 +48,9 @@ def support_of_view(posed: Mapping[str, Hypothesis], setting: Setting) -> Suppor
     names = sorted(posed, key=lambda name: posed[name].status != "accepted")
     accepted = [posed[name] for name in names if posed[name].status == "accepted"]
     bodies = bodies_of(accepted, [posed[name] for name in names[len(accepted) :]], setting)
-    planes = supported(bodies, rests).planes[:MOST]
+    found = supported(bodies, rests)
+    some = zip(found.planes, found.probability, strict=False)
+    planes = [plane for plane, probability in some if probability > HARDLY][:MOST]
     rows = [(f"s{k}", plane) for k, plane in enumerate(planes, 1)]
     ways = [way for name, plane in rows for way in _on_plane(name, bodies.stands, plane.known.plane)]
     if planes:

@@ -1,0 +1,79 @@
+"""What the program is told of who stands on what: planes, tops of others, and chances that sum to what rests."""
+
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+import trimesh
+from synthetic import CAMERA
+
+from geometry.bodies.resting import resting_faces
+from geometry.frames import from_rotation_translation, look_at, turn_about
+from kb.surfaces.surface import Surface
+from plogic.cycle.planes import Setting
+from plogic.cycle.stances import STACKED, support_of_view
+from plogic.facts.hypothesis import Hypothesis
+
+EYE = look_at(np.array([0.6, -0.5, 0.7]), np.zeros(3))
+MESH = trimesh.creation.box((0.1, 0.08, 0.06))
+SURFACE = Surface(np.array(MESH.vertices), np.array(MESH.faces))
+BOX = SimpleNamespace(surface=SURFACE, name="box", opaque=True)
+SETTING = Setting(
+    {"box": SimpleNamespace(centre=np.zeros(3), resting=resting_faces(SURFACE.vertices))},
+    CAMERA,
+    SimpleNamespace(rests=0.9),
+)
+
+
+def box(x, y, z=0.03, turn=0.0, **said):
+    pose = EYE @ from_rotation_translation(turn_about([0.0, 0.0, 1.0], turn), (x, y, z))
+    return Hypothesis(
+        "box", pose, opaque=True, known_type=BOX, pixels=9.0, surplus=9.0, status="accepted", at=pose[None, :3, 3]
+    ).told(**said)
+
+
+STANDING = {"h1": box(0.0, 0.0), "h2": box(0.2, 0.1, turn=1.0), "h3": box(-0.15, 0.1, turn=2.0)}
+
+
+def ways(support, name, on):
+    return [s for s in support.stances if s.hypothesis == name and s.on == on]
+
+
+def test_three_stand_on_the_first_plane_and_the_best_face_is_the_one_below():
+    support = support_of_view(STANDING, SETTING)
+    plane = support.planes[0]
+    assert plane.name == "s1"
+    assert np.array(plane.normal) @ EYE[:3, 2] > np.cos(np.radians(2.0))
+    assert plane.offset == pytest.approx(EYE[:3, 2] @ EYE[:3, 3], rel=0.02)
+    covariance = np.array(plane.covariance)
+    np.testing.assert_allclose(covariance, covariance.T, atol=1e-12)
+    assert (np.linalg.eigvalsh(covariance) > 0.0).all()
+    for name in STANDING:
+        best = max(ways(support, name, "s1"), key=lambda s: s.log_ratio)
+        assert best.log_ratio > 5.0
+        down = SETTING.models["box"].resting.down[best.face]
+        assert down == pytest.approx([0.0, 0.0, -1.0])
+
+
+def test_what_stands_on_another_may_do_either_and_chances_sum_to_no_more_than_what_rests():
+    posed = {**STANDING, "h4": box(0.0, 0.0, 0.09, 0.3)}
+    support = support_of_view(posed, SETTING)
+    (on,) = {s.on for s in support.stances if s.hypothesis == "h4" and s.on.startswith("h")}
+    assert on == "h1"
+    assert max(s.log_ratio for s in ways(support, "h4", "h1")) > 5.0
+    assert not [s for s in support.stances if s.hypothesis == "h1" and s.on.startswith("h")]
+    for name in posed:
+        for plane in support.planes:
+            chance = sum(s.chance for s in support.stances if s.hypothesis == name and s.on in (plane.name, "h1"))
+            assert chance <= 0.9 + 1e-9
+    assert sum(s.chance for s in ways(support, "h4", "h1")) <= 0.9 * STACKED + 1e-9
+
+
+def test_where_nobody_said_that_things_rest_nothing_is_told():
+    assert support_of_view(STANDING, replace_rests(None)) is None
+    assert support_of_view(STANDING, SETTING._replace(models={})) is None
+    assert support_of_view({}, SETTING).planes == ()
+
+
+def replace_rests(rests):
+    return SETTING._replace(kb=SimpleNamespace(rests=rests))
