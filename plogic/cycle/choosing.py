@@ -14,7 +14,7 @@ from collections.abc import Callable, Collection, Sequence
 from dataclasses import replace
 from typing import TypeAlias
 
-from plogic.cycle.judging import judge, refusal, rounded, set_aside
+from plogic.cycle.judging import judge, refusal, rounded, set_aside, surplus_beside
 from plogic.cycle.state import Stable, State, Step, Task, among, free, step_of
 from plogic.facts.hypothesis import Hypothesis
 from plogic.match.gamma.data import Data
@@ -135,7 +135,7 @@ def reconsidered(task: Task, start: Stable) -> Stable:
             why = f"ev {rounded(new.ev)} alone, {rounded(new.ev_reconsidered)} beside the others"
             steps.append(step_of("reconsider", why, new))
         some = again
-        bad = [h for h in some if _fails(task, h)]
+        bad = [h for h in some if _fails(task, h, [other for other in some if other is not h])]
         if not bad:
             return Stable(start.of, tuple(some), tuple(rejected), tuple(steps))
         worst = min(bad, key=lambda h: (h.ev_reconsidered is not None, h.ev_reconsidered or -1.0))
@@ -145,7 +145,7 @@ def reconsidered(task: Task, start: Stable) -> Stable:
         steps.append(Step("release", f"{why}; its data are released", worst.type))
 
 
-def _fails(task: Task, hypothesis: Hypothesis) -> bool:
+def _fails(task: Task, hypothesis: Hypothesis, others: Sequence[Hypothesis]) -> bool:
     """Whether an accepted hypothesis, judged beside the others, does not hold.
 
     One whose pixels were looked at rests on them, and others may have them now: it is asked for all that it was
@@ -154,7 +154,7 @@ def _fails(task: Task, hypothesis: Hypothesis) -> bool:
     if hypothesis.ev_reconsidered is None or hypothesis.ev_reconsidered <= 0.0 or hypothesis.worth <= 0.0:
         return True
     demanded = task.demanded(hypothesis)
-    return hypothesis.pixels is not None and hypothesis.surplus <= demanded
+    return hypothesis.pixels is not None and surplus_beside(hypothesis, others) <= demanded
 
 
 def _again(task: Task, hypothesis: Hypothesis, others: Sequence[Hypothesis]) -> Hypothesis:

@@ -5,7 +5,7 @@ Expected, Detected, the four cases, ev and evidence, on the data left free (§4,
 What is not accepted is told from the rivals of Δi: a rival would be accepted in the place of what it conflicts with.
 """
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -90,13 +90,17 @@ def _unsupported(task: Task, state: State, hypothesis: Hypothesis) -> str | None
         return "none of its most distinctive features was detected"
     if hypothesis.ev_reconsidered is None or hypothesis.ev_reconsidered <= 0.0:
         return f"ev {rounded(hypothesis.ev_reconsidered)} is not above 0"
-    surplus = hypothesis.surplus + _harm(task, state.accepted, hypothesis)
-    if any(_in_line(hypothesis, other) for other in state.accepted):
-        surplus -= max(0.0, hypothesis.stance)
+    surplus = surplus_beside(hypothesis, state.accepted) + _harm(task, state.accepted, hypothesis)
     demanded = task.demanded(hypothesis)
     if surplus <= demanded:
         return f"log-likelihood ratio {surplus:.1f} beyond what any pose has; {demanded:.1f} is demanded"
     return None
+
+
+def surplus_beside(hypothesis: Hypothesis, others: Iterable[Hypothesis]) -> float:
+    """What is left of its evidence besides what any pose has; standing counts where its own pixels tell its pose."""
+    told = not any(_in_line(hypothesis, other) for other in others)
+    return hypothesis.surplus if told else hypothesis.surplus - max(0.0, hypothesis.stance)
 
 
 def _in_line(one: Hypothesis, other: Hypothesis) -> bool:
