@@ -35,9 +35,10 @@ BY_CHANCE = 0.12
 (``python benchmarks/planes.py KB DATASET``). One that was looked for on a plane does always."""
 MOST = 4
 """Planes that are told of in one image."""
-STARTS = 40
+STARTS = 16
 """Ways of standing that planes are sought from, the likeliest."""
-ROUNDS = 6
+ROUNDS, STILL = 6, 0.002
+"""Times that a plane is fitted at most; what it moves by less than is no move (rad, and a share of its height)."""
 
 
 class Bodies(NamedTuple):
@@ -191,9 +192,12 @@ def _settled(bodies: Bodies, plane: Plane, start: int, rests: float) -> Known | 
     share[start] = 1.0
     known = fitted(bodies.stands, share, plane)
     for _ in range(ROUNDS):
-        if known.plane.offset <= 0.0:
+        before = known.plane
+        if before.offset <= 0.0:
             return None
-        known = fitted(bodies.stands, _shares(bodies, known.plane, there, rests), known.plane)
+        known = fitted(bodies.stands, _shares(bodies, before, there, rests), before)
+        if np.abs(known.plane.up - before.up).max() < STILL and abs(known.plane.offset / before.offset - 1.0) < STILL:
+            break
     return known if known.plane.offset > 0.0 else None
 
 

@@ -37,9 +37,9 @@ if TYPE_CHECKING:
 
 Before: TypeAlias = tuple[RayMesh, np.ndarray]
 """A surface that may hide pixels, and its pose (4, 4)."""
-SCREENED, FITTED, FITTED_SEEN = 6, 2, 3
+SCREENED, FITTED, FITTED_SEEN, FITTED_ON = 6, 2, 3, 2
 """Poses of a type whose pixels are looked at; those that are moved to where the pixels fit best; and of those that
-views suggest."""
+views suggest, anywhere and on a plane."""
 NO_POSES = np.zeros((0, 4, 4))
 PROMISING = 4.0
 """Fit, in ``sensing.pixels.energy``, that few poses of absent types have (``python benchmarks/pixel_odds.py``): one
@@ -74,7 +74,8 @@ def by_pixels(
         row for row in screened(index, best, worth, data, before, SCREENED) if row[0] >= PROMISING or row[2] >= WORTHY
     ]
     by_views = [row for row in screened(index, seen, np.zeros(len(seen)), data, before, len(seen)) if row[0] >= FAINT]
-    starts = [(*row[:2], True) for row in by_keypoints[:FITTED]] + [(*row[:2], False) for row in by_views[:FITTED_SEEN]]
+    most = FITTED_SEEN if contact is None else FITTED_ON
+    starts = [(*row[:2], True) for row in by_keypoints[:FITTED]] + [(*row[:2], False) for row in by_views[:most]]
     found: list[tuple[float, Hypothesis]] = []
     tried: list[tuple[float, Floats]] = []
     hopeless: list[Refined] = []

@@ -35,8 +35,8 @@ VIEWS = 400
 SEEN = 3.0
 """Log-likelihood ratio from which pixels convince before all types were searched for (``convincing``): 20 to 1. How
 many have it of what is there, and of what is not, ``python benchmarks/pixel_odds.py KB DATASET`` prints."""
-PROPOSED = 20
-"""Poses of a type."""
+PROPOSED, PROPOSED_ON = 20, 10
+"""Poses of a type, anywhere and on a plane."""
 
 
 def keypoints_shown(cloud: LearnedCloud) -> float:
@@ -87,4 +87,4 @@ def seen_on(index: LearnedIndex, maps: PhotoMaps | None, data: Data, plane: Plan
         return NO_POSES
     from sensing.views.standing import stood
 
-    return stood(maps, data.camera, index.body, plane, index.resting, PROPOSED)[0]
+    return stood(maps, data.camera, index.body, plane, index.resting, PROPOSED_ON)[0]
