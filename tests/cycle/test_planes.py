@@ -122,16 +122,16 @@ def test_a_camera_turned_in_its_plane_turns_the_plane(roll):
     )
 
 
-def test_two_that_begin_at_different_heights_or_lean_agree_on_no_plane():
-    for other in (pose(0.2, 0.1, 1.0, height=0.05), pose(0.2, 0.1, 1.0, tip=0.5)):
-        found = supported(bodies([pose(0.0, 0.0), other], [9.0, 9.0], **SHARP), RESTS)
-        assert all(len(plane.by) < 2 for plane in found.planes)
+@pytest.mark.parametrize("other", [pose(0.2, 0.1, 1.0, height=0.05), pose(0.2, 0.1, 1.0, tip=0.5)])
+def test_two_that_begin_at_different_heights_or_lean_agree_on_no_plane(other):
+    found = supported(bodies([pose(0.0, 0.0), other], [9.0, 9.0], **SHARP), RESTS)
+    assert max(len(plane.by) for plane in found.planes) == 1
 
 
 def test_nothing_stands_on_a_ceiling():
     below = look_at(np.array([0.5, 0.3, -0.6]), np.zeros(3)) @ np.linalg.inv(EYE)
     found = supported(bodies([below @ pose(0.0, 0.0), below @ pose(0.2, 0.1, 1.0)], [9.0, 9.0], **SHARP), RESTS)
-    assert all(plane.known.plane.offset > 0.0 for plane in found.planes)
+    assert min((plane.known.plane.offset for plane in found.planes), default=1.0) > 0.0
 
 
 def test_of_nothing_nothing_is_told():

@@ -48,11 +48,10 @@ def test_three_stand_on_the_first_plane_and_the_best_face_is_the_one_below():
     covariance = np.array(plane.covariance)
     np.testing.assert_allclose(covariance, covariance.T, atol=1e-12)
     assert (np.linalg.eigvalsh(covariance) > 0.0).all()
-    for name in STANDING:
-        best = max(ways(support, name, "s1"), key=lambda s: s.log_ratio)
-        assert best.log_ratio > 5.0
-        down = SETTING.models["box"].resting.down[best.face]
-        assert down == pytest.approx([0.0, 0.0, -1.0])
+    best = [max(ways(support, name, "s1"), key=lambda s: s.log_ratio) for name in STANDING]
+    assert min(s.log_ratio for s in best) > 5.0
+    down = SETTING.models["box"].resting.down[[s.face for s in best]]
+    np.testing.assert_allclose(down, [[0.0, 0.0, -1.0]] * 3, atol=1e-9)
 
 
 def test_what_stands_on_another_may_do_either_and_chances_sum_to_no_more_than_what_rests():
@@ -62,10 +61,12 @@ def test_what_stands_on_another_may_do_either_and_chances_sum_to_no_more_than_wh
     assert on == "h1"
     assert max(s.log_ratio for s in ways(support, "h4", "h1")) > 5.0
     assert not [s for s in support.stances if s.hypothesis == "h1" and s.on.startswith("h")]
-    for name in posed:
-        for plane in support.planes:
-            chance = sum(s.chance for s in support.stances if s.hypothesis == name and s.on in (plane.name, "h1"))
-            assert chance <= 0.9 + 1e-9
+    chances = [
+        sum(s.chance for s in support.stances if s.hypothesis == name and s.on in (plane.name, "h1"))
+        for name in posed
+        for plane in support.planes
+    ]
+    assert max(chances) <= 0.9 + 1e-9
     assert sum(s.chance for s in ways(support, "h4", "h1")) <= 0.9 * STACKED + 1e-9
 
 

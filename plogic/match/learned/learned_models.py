@@ -121,15 +121,9 @@ class LearnedIndex:
 
     @cached_property
     def inner_radius(self) -> float:
-        """Metres from ``centre`` to the nearest face that it can stand on, 0 without one.
-
-        The face nearest to the middle of mass is such.
-        """
-        return (
-            float(max(0.0, (self.resting.reach - self.resting.down @ self.centre).min()))
-            if len(self.resting.reach)
-            else 0.0
-        )
+        """Metres from ``centre`` to the nearest face that it can stand on, 0 without one."""
+        away = self.resting.reach - self.resting.down @ self.centre
+        return max(0.0, float(away.min())) if len(away) else 0.0
 
     @cached_property
     def diameter(self) -> float:
