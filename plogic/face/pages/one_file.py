@@ -13,9 +13,13 @@ from dataclasses import dataclass
 from importlib.resources import files
 from string import Template
 
+import numpy as np
+
+from geometry.camera import camera_from_dict
 from plogic.base.errors import BeliefError
 from plogic.face.shown.against import missed_rings
 from plogic.face.shown.edges import Stroke, edges_of
+from plogic.face.shown.ground import ground_of, lines_in_picture
 from plogic.facts.document import Interpretation
 
 
@@ -101,6 +105,7 @@ PARTS = PageParts(
         "sides.js",
         "signs.js",
         "edges.js",
+        "ground.js",
         "dots.js",
         "picture.js",
         "key.js",
@@ -131,7 +136,25 @@ def page(document: Interpretation) -> str:
     size = (int(camera["width"]), int(camera["height"])) if camera else (0, 0)
     rows = [h for h in document.get("hypotheses", []) if h["status"] == "accepted" and h.get("outline")]
     missed = {h["id"]: rings for h in rows if (rings := missed_rings(h, size))}
-    return one_file(PARTS, ", ".join(accepted) or "nothing known", document, edges=edges, missed=missed)
+    drawn = {"edges": edges, "missed": missed, "ground": _ground(document)}
+    return one_file(PARTS, ", ".join(accepted) or "nothing known", document, **drawn)
+
+
+def _ground(document: Interpretation) -> dict[str, object] | None:
+    """The likeliest support plane as ``ground.js`` reads it: ``lines`` by their ends, metres; the rest pixels."""
+    ground = ground_of(document)
+    if ground is None or "camera" not in document:
+        return None
+    camera = camera_from_dict(document["camera"])
+    return {
+        "name": ground.name,
+        "step": ground.step,
+        "lines": ground.lines[:, [0, -1]].round(4).tolist(),
+        "drawn": [line.round(1).ravel().tolist() for line in lines_in_picture(ground, camera)],
+        "feet": {
+            h: at.round(1).tolist() for h, foot in ground.feet.items() if np.isfinite(at := camera.project(foot)).all()
+        },
+    }
 
 
 def _packed(stroke: Stroke) -> list[object]:

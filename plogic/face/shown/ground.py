@@ -1,16 +1,18 @@
 """The likeliest plane that things stand on, in the picture: a faint grid, and the foot of what stands there.
 
 * ``Ground``: its grid lines and feet, metres, camera frame; ``ground_of(document)``, None where none is likely
+* ``lines_in_picture(ground, camera)``: the lines as a lens bends them, pixels
 """
 
 from typing import NamedTuple
 
 import numpy as np
+import shapely
 from numpy.typing import NDArray
 
 from geometry.arrays import Floats
 from geometry.bodies.resting import Plane, along_plane
-from geometry.camera import camera_from_dict
+from geometry.camera import Camera, camera_from_dict
 from plogic.face.shown.against import silhouette
 from plogic.face.shown.pencil import Colour, Pencil
 from plogic.facts.document import Interpretation
@@ -26,6 +28,8 @@ FAINT = 0.35
 """Opacity."""
 POINTS = 24
 """Places of a line, which a lens bends."""
+EXACT = 0.1
+"""Pixels by which a line may leave out places on its way."""
 
 
 class Ground(NamedTuple):
@@ -77,16 +81,20 @@ def _grid(plane: Plane, feet: Floats) -> tuple[Floats, float]:
     return np.array(lines), step
 
 
+def lines_in_picture(ground: Ground, camera: Camera) -> list[Floats]:
+    """Lines (N, 2) of the grid, pixels: those that are before the camera whole, with the places where they bend."""
+    drawn = [at for at in camera.project(ground.lines) if np.isfinite(at).all()]
+    return [shapely.get_coordinates(shapely.simplify(shapely.linestrings(at), EXACT)) for at in drawn]
+
+
 def draw_ground(pencil: Pencil, document: Interpretation, colours: dict[str, Colour]) -> Ground | None:
     """Draw the grid where no accepted object is before it, and a cross of its colour at each foot."""
     ground, camera = ground_of(document), camera_from_dict(document["camera"])
     if ground is None:
         return None
     bare = pencil.picture.copy()
-    for line in ground.lines:
-        at = camera.project(line)
-        if np.isfinite(at).all() and (line[:, 2] > 0.0).all():
-            pencil.stroke(at.tolist(), GRID, 1, dashed=False)
+    for line in lines_in_picture(ground, camera):
+        pencil.stroke(line.tolist(), GRID, 1, dashed=False)
     shown = (FAINT * pencil.picture + (1.0 - FAINT) * bare).astype(np.uint8)
     hidden = _before(document, pencil.picture.shape[:2])
     pencil.picture[:] = np.where(hidden[..., None], bare, shown)

@@ -2,8 +2,10 @@
 
 import numpy as np
 import pytest
+import shapely
 
-from plogic.face.shown.ground import POINTS, draw_ground, ground_of
+from geometry.camera import camera_from_dict
+from plogic.face.shown.ground import EXACT, POINTS, draw_ground, ground_of, lines_in_picture
 from plogic.face.shown.overlay import pencil_on
 
 CAMERA = {"width": 640, "height": 480, "K": [[600.0, 0, 319.5], [0, 600.0, 239.5], [0, 0, 1.0]], "dist": []}
@@ -51,3 +53,22 @@ def test_the_picture_changes_where_the_grid_is_and_at_the_foot():
     x, y = np.rint((foot + 0.5) * pencil.scale).astype(int)
     assert changed[y - 3 : y + 4, x - 3 : x + 4].any()
     assert 0.005 < changed.mean() < 0.5
+
+
+def test_a_lens_bends_the_lines():
+    ground = ground_of(document())
+    for dist, most in (([], 2), ([-0.3, 0.1, 0.0, 0.0], POINTS)):
+        camera = camera_from_dict(CAMERA | {"dist": dist})
+        lines = lines_in_picture(ground, camera)
+        assert len(lines) == len(ground.lines)
+        assert max(map(len, lines)) <= most
+        assert (max(map(len, lines)) > 2) == bool(dist)
+        for line, points in zip(lines, ground.lines, strict=True):
+            off = shapely.distance(shapely.linestrings(line), shapely.points(camera.project(points)))
+            assert off.max() <= EXACT + 1e-9
+
+
+def test_lines_that_reach_behind_the_camera_are_left_out():
+    ground = ground_of(document())
+    behind = ground._replace(lines=ground.lines - [0.0, 0.0, ground.lines[..., 2].min() + 0.1])
+    assert 0 < len(lines_in_picture(behind, camera_from_dict(CAMERA))) < len(ground.lines)

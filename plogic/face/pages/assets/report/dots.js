@@ -68,7 +68,7 @@ function walkDots(event) {
 
 function startDots() {
   if (!crowded) return;
-  state.layers = new Set(['marks', ...DOTS.filter(([, , shown]) => shown).map(([name]) => name), 'sides', 'missed', 'outlines', 'unseen', 'labels']);
+  state.layers = new Set(['marks', ...DOTS.filter(([, , shown]) => shown).map(([name]) => name), 'sides', 'missed', 'outlines', 'unseen', 'ground', 'labels']);
   at('picture').append(sheet, over);
   sheet.addEventListener('pointermove', pointDot);
   sheet.addEventListener('click', pointDot);

@@ -7,6 +7,7 @@ function drawKey() {
     on('outlines') && some('seen') ? entry(sample('seen'), 'edge') : null,
     on('unseen') && some('unseen') ? entry(sample('unseen'), 'edge hidden behind another object, or by its own') : null,
     on('missed') && shown.some((h) => missedOf(h).length) ? entry(icon(svg('path', {d: 'M-7 3L3 -7M-7 7L7 -7M-3 7L7 -3', stroke: MUTED, 'stroke-width': 1.6})), 'hatched: less than a third found of what was when it was learned') : null,
+    on('ground') && laid() ? [entry(gridSign(), gridTold()), ...(shown.some(stands) ? [entry(icon(footForm()), 'foot of what stands there')] : [])] : null,
     hypotheses.some((h) => h.status !== 'accepted') ? entry(sample('hint'), 'not accepted, pointed at in the list') : null,
     on('marks') ? entry(icon(svg('circle', {r: 8, fill: 'none', stroke: 'currentColor', 'stroke-width': 2})), 'chosen mark') : null,
     signs ? kinds.map((k) => entry(crowded ? dotIcon(k === SIDE ? 'sides' : 'appearances') : icon(sign(k)[1]), words(k), crowded ? tag('id', ` ${appearances.filter((a) => plain(a.type) === k).length}`) : null)) : null);

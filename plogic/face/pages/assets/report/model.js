@@ -14,7 +14,7 @@ const label = (id) => { const h = byId.get(id); return h ? String(h.label || h.t
 const called = (id) => `${label(id)} (${id})`;
 const rivals = new Set(facts.filter((f) => f.fact === 'rival').flatMap((f) => [f.args.join('\n'), f.args.slice().reverse().join('\n')]));
 
-const state = {shown: worlds[0], layers: new Set(['marks', 'appearances', 'expected', 'hidden', 'missed', 'outlines', 'unseen', 'labels']), chosen: null};
+const state = {shown: worlds[0], layers: new Set(['marks', 'appearances', 'expected', 'hidden', 'missed', 'outlines', 'unseen', 'ground', 'labels']), chosen: null};
 
 // Whether g hides what is behind it of h in the shown world: it is there, opaque, and no rival.
 const hides = (g, h) => state.shown.present.includes(g) && (byId.get(g) || {}).opaque !== false && !rivals.has(h.id + '\n' + g);

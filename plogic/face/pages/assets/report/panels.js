@@ -76,6 +76,20 @@ function drawHypotheses() {
     ...list(doc.doubts).map((d) => el('p', null, `Doubtful: ${d.expected}, but ${d.found}. ${sentence(d.why)}`)));
 }
 
+// The planes that things may stand on, likeliest first, who stands there, who on whom, and who on nothing known.
+function drawStanding() {
+  const told = (p) => p >= 0.0005, planes = list(doc.support_planes), chances = planes.map((s) => s.probability), other = 1 - chances.reduce((a, b) => a + b, 0);
+  const on = (name) => hypotheses.map((h) => [h.id, list(h.stances).filter((s) => s.on === name).reduce((sum, s) => sum + s.probability, 0)]);
+  const group = (title, p, who_stands) => el('div', {class: 'why'}, el('p', {class: 'top'}, tag(null, title), p == null ? null : tag('p', chance(p))),
+    el('ul', {class: 'key'}, who_stands.filter(([, q]) => told(q)).map(([id, q]) => el('li', null, who(id), tag(null, chance(q))))));
+  const place = ({normal, offset}) => `${fixed(-offset, 2)} m below the camera, at ${fixed(Math.asin(Math.min(1, Math.abs(normal[2]))) * 180 / Math.PI, 0)}\u00b0 to its line of sight`;
+  const some = (title, rows) => (rows.some(([, q]) => told(q)) ? group(title, null, rows) : []);
+  if (planes.length) put('standing', el('h3', null, 'What they stand on'), el('div', null,
+    planes.filter((s) => told(s.probability)).sort((a, b) => b.probability - a.probability).map((s) => group([`Plane ${s.name} `, tag('id', place(s.plane))], s.probability, on(s.name))),
+    told(other) ? group('Another plane, or none', other, []) : [],
+    hypotheses.map((h) => some(['On ', who(h.id)], on(h.id))), some('Free: on nothing known', hypotheses.map((h) => [h.id, h.free]))));
+}
+
 const numbers = (row) => [row.expected_detected, row.expected_missed, row.hidden_missed, row.hidden_detected].map((n) => n || 0);
 function evBar(x) {
   if (x == null) return null;
@@ -122,6 +136,7 @@ function drawHead() {
 function startPanels() {
   drawHead();
   drawHypotheses();
+  drawStanding();
   drawMeasures();
   drawTrace();
   watchers.push((what) => {

@@ -57,7 +57,7 @@ function drawPicture() {
   const full = on('marks') && !crowded, order = (wanted) => (full ? rows.filter((r) => r.expected === wanted).map(featureMark) : []);
   fill(canvasSvg,
     IMAGE ? svg('image', {href: IMAGE, x: -0.5, y: -0.5, width: W, height: H, preserveAspectRatio: 'none'}) : svg('rect', {x: -0.5, y: -0.5, width: W, height: H, fill: '#83868a'}),
-    on('missed') ? shown.map(hatch) : [], on('unseen') ? shown.map((h) => edgesOf(h, 'unseen')) : [], on('outlines') ? shown.map((h) => edgesOf(h, 'outline')) : [], svg('g', {id: 'squares'}, order(false)), svg('g', {id: 'circles'}, order(true)),
+    on('ground') && laid() ? gridDrawn(shown) : [], on('missed') ? shown.map(hatch) : [], on('unseen') ? shown.map((h) => edgesOf(h, 'unseen')) : [], on('outlines') ? shown.map((h) => edgesOf(h, 'outline')) : [], on('ground') && laid() ? feetDrawn(shown) : [], svg('g', {id: 'squares'}, order(false)), svg('g', {id: 'circles'}, order(true)),
     svg('g', {id: 'signs'}, full && on('appearances') ? appearances.map(appearanceMark) : []),
     svg('g', {id: 'hint'}), svg('g', {id: 'names'}, on('labels') ? names(shown, pixel()) : []));
   if (crowded) over.replaceChildren(canvasSvg.lastChild);
@@ -121,7 +121,7 @@ function walk(event) {
 }
 
 const icon = (...parts) => svg('svg', {viewBox: '-10 -10 20 20', width: 20, height: 20, 'aria-hidden': 'true'}, parts);
-const LAYERS = [['appearances', 'Appearances'], ['expected', 'Expected', true], ['hidden', 'Not expected', false]], PLAIN_LAYERS = [...(Object.keys(missed).length ? [['missed', 'Where features are missed']] : []), ['outlines', 'Edges'], ['unseen', 'Hidden edges'], ['labels', 'Names']];
+const LAYERS = [['appearances', 'Appearances'], ['expected', 'Expected', true], ['hidden', 'Not expected', false]], PLAIN_LAYERS = [...(Object.keys(missed).length ? [['missed', 'Where features are missed']] : []), ['outlines', 'Edges'], ['unseen', 'Hidden edges'], ...(ground ? [['ground', 'Support plane']] : []), ['labels', 'Names']];
 const layer = (name, text) => toggle(name, state.layers.has(name), text, (on) => { state.layers[on ? 'add' : 'delete'](name); changed('layers'); });
 // So many marks, or any of a learned type, which has hundreds on a few pixels, cover what they are about: they are drawn when asked for.
 const MANY = 200;

@@ -1,9 +1,9 @@
 // What stands in space, in the camera's frame: triangles, lines and points for whoever draws them. 
 const place = (T, p) => [0, 1, 2].map((i) => T[i][0] * p[0] + T[i][1] * p[1] + T[i][2] * p[2] + T[i][3]);
-// A world that is the camera's own frame knows no up. A camera that looks straight down has its up as what is ahead.
+// A world that is the camera's own frame knows no up; the plane that things stand on does. A camera that looks straight down has its up as what is ahead.
 const GROUNDED = list(doc.camera.T_world_camera).flat().some((x, i) => x !== (i % 5 ? 0 : 1));
-const UP = GROUNDED ? unit(doc.camera.T_world_camera[2].slice(0, 3)) : [0, -1, 0], AHEAD = Math.abs(UP[2]) > 0.99 ? [0, -1, 0] : [0, 0, 1];
-const shape = {lines: true, features: true, picture: true, texture: true, step: null}, MOST_CREASES = 400;
+const UP = GROUNDED ? unit(doc.camera.T_world_camera[2].slice(0, 3)) : plane ? plane.normal : [0, -1, 0], AHEAD = Math.abs(UP[2]) > 0.99 ? [0, -1, 0] : [0, 0, 1];
+const shape = {lines: true, features: true, picture: true, texture: true, plane: true, grid: null, feet: false}, MOST_CREASES = 400;
 
 // The edges where two facets meet at an angle, from a mesh whose vertices may be doubled along texture seams.
 function creases(points, facets) {
@@ -47,13 +47,13 @@ function frustum(depth) {
   return [[-0.5, -0.5], [W - 0.5, -0.5], [W - 0.5, H - 0.5], [-0.5, H - 0.5]].map(([u, v]) => [(u - K[0][2]) / K[0][0] * depth, (v - K[1][2]) / K[1][1] * depth, depth]);
 }
 
-// The floor under everything: a grid of round steps that fades out, drawn only where the world's up is known.
+// The floor under everything: a grid of round steps that fades out, drawn only where the world's up is known and no plane that things stand on.
 function floor(points, ink, lines) {
   const low = least(points.map((p) => dot(p, UP))), middle = points.reduce(add, [0, 0, 0]).map((c) => c / points.length);
   const centre = add(middle, times(UP, low - dot(middle, UP))), x = unit(cross(UP, AHEAD)), y = cross(UP, x);
   const size = 1.6 * most(points.map((p) => norm(sub(p, middle)))), raw = size / 5, ten = 10 ** Math.floor(Math.log10(raw)), step = ten * (raw / ten > 5 ? 10 : raw / ten > 2 ? 5 : 2);
   const n = Math.ceil(size / step);
-  shape.step = step;
+  shape.grid = `floor, a square is ${metric(step)}`;
   for (let i = -n; i <= n; i++) for (const [a, b] of [[x, y], [y, x]]) for (let j = -n; j < n; j++) {
     const p = (k) => add(centre, add(times(a, i * step), times(b, k * step))), fade = 0.42 * Math.max(0, 1 - Math.hypot(i, j + 0.5) / n);
     if (fade > 0.02) lines.push({p: p(j), q: p(j + 1), c: [...ink, fade]});
@@ -64,8 +64,9 @@ function floor(points, ink, lines) {
 function build(theme) {
   const shown = standing(state.shown), scene = {triangles: [], painted: [], lines: [], points: [], picture: null};
   const all = shown.flatMap((h) => solid(h).points);
-  shape.step = null;
-  if (GROUNDED && all.length) floor(all, theme.ink, scene.lines);
+  Object.assign(shape, {grid: null, feet: false});
+  if (laid() && shape.plane) gridInSpace(shown, theme.ink, scene.lines);
+  if (!laid() && GROUNDED && all.length) floor(all, theme.ink, scene.lines);
   for (const h of shown) {
     const s = solid(h), c = rgb(colour(h.id)), wall = mix(c, [1, 1, 1], 0.5);
     const painted = paintOf(h);

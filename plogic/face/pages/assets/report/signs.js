@@ -1,6 +1,9 @@
 // Elements of this page: who is meant, long lists folded, the marks of features and appearances.
 const who = (id) => tag('who', swatch(colour(id)), byId.has(id) ? label(id) + ' ' : null, tag('id', String(id)));
 
+// Metres.
+const metric = (m) => (m >= 1 ? `${m} m` : m >= 0.01 ? `${Math.round(m * 100)} cm` : `${Math.round(m * 1e4) / 10} mm`);
+
 // Long lists show their first n; a button shows the rest, and what was unfolded stays so.
 const unfolded = new Set();
 function fold(nodes, n, what, wrap) {
