@@ -157,7 +157,8 @@ def delta_of(
     """Name the hypotheses that were not rejected and collect the facts that decide their probabilities.
 
     ``fitted(posed, data, kb, hidden)`` gives the hit rates (F,) and densities (F,) that the program is told.
-    ``models``: the types by name, by which it is known what they stand on; without them, nobody knows.
+    ``models``: the types by name, by which it is known what they stand on; without them, nobody knows. Where gravity
+    says what floats, that is not told: either weighs what a hypothesis rests on.
     ``related``: whether relations and space, which decide no probability of a world, are worked out as well.
     """
     posed = {f"h{i}": hypothesis for i, hypothesis in enumerate((*cycle.accepted, *cycle.considered), 1)}
@@ -171,6 +172,8 @@ def delta_of(
     posed = {name: some.told(hidden=_hidden(name, posed, hiding, rivals)) for name, some in posed.items()}
     group = instances({name: some.type for name, some in posed.items()}, exclusive)
     rates = {name: fitted(some, data, kb, some.hidden) for name, some in posed.items()}
+    gravity = gravity_of_view(posed, overlaps, data.camera, kb)
+    held = gravity is not None and bool(gravity.feet)  # what holds it weighs: where it stands weighs no second time
     rows = zip(data.ids, data.types, data.uv.tolist(), clutter_density(kb, data).tolist(), strict=True)
     hypotheses = tuple(
         _hypothesis(name, some, group[name], hiding, rates[name], data, dv) for name, some in posed.items()
@@ -186,8 +189,8 @@ def delta_of(
             rivals=rivals,
             exclusive=exclusive,
             space=space_of_view(posed, overlaps, data.camera, kb, models or {}) if related else Space(),
-            gravity=gravity_of_view(posed, overlaps, data.camera, kb),
-            support=support_of_view(posed, Setting(models or {}, data.camera, kb)),
+            gravity=gravity,
+            support=None if held else support_of_view(posed, Setting(models or {}, data.camera, kb)),
             relations=relations_of(posed, together, data.camera),
             part_relations=part_relations_of(posed, together, data.camera),
             priors={t.name: kb.rates.prior.get(t.name, 0.5) for t in kb.types},

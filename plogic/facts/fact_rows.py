@@ -195,6 +195,9 @@ class StancesKeys(TypedDict):
 
     stances: NotRequired[Annotated[list[StanceRow], "Its ways to stand."]]
     free: NotRequired[Annotated[Slightly, "Probability that it is present and stands on nothing known."]]
+    stands_by_chance: NotRequired[
+        Annotated[Chance, "Chance that its pose stands as if it were there, where it is not; 0 where not told."]
+    ]
 
 
 class PixelRow(TypedDict):

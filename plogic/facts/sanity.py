@@ -113,6 +113,9 @@ def _of_support(support: Support, ids: Ids) -> Iterator[str]:
         yield from _numbers(((place, x) for x in numbers), -math.inf, math.inf)
         if not abs(math.hypot(*plane.normal) - 1.0) <= SUMS:
             yield f"{place}: normal is {math.hypot(*plane.normal)!r} long, not 1"
+    yield from _unknown("support: by_chance", dict(support.by_chance), ids)
+    yield from _twice("support: by_chance", [name for name, _ in support.by_chance])
+    yield from _numbers([(f"support: by_chance of {name}", e) for name, e in support.by_chance], 0.0, 1.0)
     yield from _of_stances(support, ids, frozenset(planes))
 
 

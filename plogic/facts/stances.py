@@ -6,7 +6,7 @@ Vocabulary, each with an example value:
 
 * ``SupportPlane("s1", (0.0, -0.8, -0.6), -0.9, covariance, prior=0.7)``: a plane of the camera's frame.
 * ``Stance("h1", "s1", 2, chance=0.3, log_ratio=4.1)``: h1 stands on s1 with the third of its type's stable poses.
-* ``Support(rests=0.9, none=0.05, planes, stances)``: all of it.
+* ``Support(rests=0.9, none=0.05, planes, stances, (("h1", 0.12),))``: all of it.
 """
 
 from __future__ import annotations
@@ -19,7 +19,7 @@ from plogic.base.walk import by_key
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator, Mapping, Sequence
 
-    from plogic.facts.document import HypothesisRow, Interpretation, RejectedRow
+    from plogic.facts.document import HypothesisRow, Interpretation
     from plogic.facts.fact_rows import StanceRow, StancesKeys, StandingKeys, SupportPlaneRow
 
 FREE, NONE, OTHER = "free", "none", "other"
@@ -63,24 +63,28 @@ class Stance:
 
 @dataclass(frozen=True)
 class Support:
-    """The choice of one plane for an image, and of one way of standing for each hypothesis.
+    """The choice of one plane for an image, and of one way of standing for each hypothesis that has a footing.
 
     ``rests``: the chance that a present object rests on something known or on a plane. ``none``: the chance that
     nothing says where things stand. What is left beside ``none`` and the planes' priors is the chance of a plane that
     is none of those named.
+
+    ``by_chance``: hypothesis → e, P(its pose stands as if it were there, given that it is not); 0 of those not named.
+    Who is present has a footing, and with probability e who is absent.
     """
 
     rests: float
     none: float
     planes: tuple[SupportPlane, ...]
     stances: tuple[Stance, ...]
+    by_chance: tuple[tuple[str, float], ...] = ()
 
     def among(self, kept: Iterable[str]) -> Support:
         """What it says of these hypotheses alone."""
         known = frozenset(kept)
         there = known | {plane.name for plane in self.planes}
         stances = tuple(s for s in self.stances if s.hypothesis in known and s.on in there)
-        return replace(self, stances=stances)
+        return replace(self, stances=stances, by_chance=tuple(row for row in self.by_chance if row[0] in known))
 
 
 class Stood(NamedTuple):
@@ -108,7 +112,12 @@ def stances_document(hypothesis: str, support: Support | None, found: Stood | No
         for s, p in zip(support.stances, found.stances, strict=True)
         if s.hypothesis == hypothesis
     ]
-    return {"stances": rows, "free": found.free[hypothesis]} if hypothesis in found.free else {"stances": rows}
+    told: StancesKeys = {"stances": rows}
+    if hypothesis in found.free:
+        told["free"] = found.free[hypothesis]
+    if e := dict(support.by_chance).get(hypothesis):
+        told["stands_by_chance"] = e
+    return told
 
 
 def support_of(document: Interpretation) -> Support | None:
@@ -117,12 +126,14 @@ def support_of(document: Interpretation) -> Support | None:
     if told is None:
         return None
     planes = tuple(_plane(row) for row in document.get("support_planes", ()))
-    return Support(float(told["rests"]), float(told["none"]), planes, tuple(_stances(document["hypotheses"])))
+    rows = [h for h in document["hypotheses"] if h["status"] != "rejected"]
+    by_chance = tuple((h["id"], float(h["stands_by_chance"])) for h in rows if "stands_by_chance" in h)
+    return Support(float(told["rests"]), float(told["none"]), planes, tuple(_stances(rows)), by_chance)
 
 
-def _stances(hypotheses: Sequence[HypothesisRow | RejectedRow]) -> Iterator[Stance]:
+def _stances(hypotheses: Sequence[HypothesisRow]) -> Iterator[Stance]:
     for h in hypotheses:
-        for s in h["stances"] if h["status"] != "rejected" and "stances" in h else ():
+        for s in h.get("stances", ()):
             yield Stance(h["id"], s["on"], s["face"], float(s["chance"]), float(s["log_ratio"]))
 
 

@@ -105,7 +105,7 @@ SPACE: tuple[Entry, ...] = (
         3,
         "the present H has its stable pose Face on On, which is a plane, or a hypothesis (present in the posterior reading), or `free`",
         "stance(H, On, Face)",
-        "",
+        "stance(H, On, Face) :- footing(H, On, Face), present(H).",
     ),
     Entry(
         "stands_on",

@@ -15,6 +15,7 @@ from synthetic import CAMERA, cycle_of, data, perceiver, scene, side_by_side, to
 
 from geometry.frames import inverse
 from plogic.cycle.delta import Options, delta_of
+from plogic.cycle.planes import BY_CHANCE
 from plogic.facts.interpretation import situation_of, text_of
 from plogic.run.document import document_of
 from plogic.run.perceive import Perceiver
@@ -134,3 +135,24 @@ def test_a_perceiver_says_it_in_the_file_and_keeps_silent_without_an_up():
     assert "which way is up" in unknown["gravity"]["silent"]
     assert [h["probability"] for h in unknown["hypotheses"]] == [h["probability"] for h in plain["hypotheses"]]
     assert "gravity" not in plain
+
+
+def test_either_gravity_or_support_weighs_what_a_hypothesis_rests_on():
+    kb = perceiver().kb
+
+    def of(shown, **said):
+        models = perceiver().models
+        return delta_of(
+            found(), shown, replace(kb, **said), perceiver().dv, Options("posterior"), models=models
+        ).situation
+
+    speaking = of(data(shot()), gravity=True)
+    assert speaking.gravity.feet
+    assert speaking.support is None
+    maybe = of(data(shot()), gravity=False, maybe=True)
+    assert maybe.gravity is None
+    assert maybe.support is not None
+    gamma = replace(shot().gamma, camera=replace(shot().gamma.camera, world_from_camera=None))
+    silent = of(data(replace(shot(), gamma=gamma)), gravity=True)
+    assert silent.gravity.silent
+    assert silent.support.by_chance == tuple((h.id, BY_CHANCE) for h in silent.hypotheses)

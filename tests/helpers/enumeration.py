@@ -58,17 +58,21 @@ def _floating(gravity, present):
 
 
 def _resting(support, present):
-    """Of each state of the image its prior times, of each that is there, being free and its ways to stand (§9.9)."""
+    """Of each state of the image its prior times, of each that is there, being free and its ways to stand (§9.9).
+
+    Of each that is absent, the same with the chance that it stands all the same.
+    """
     if support is None:
         return 0.0
-    prior = {plane.name: plane.prior for plane in support.planes}
+    prior, by_chance = {plane.name: plane.prior for plane in support.planes}, dict(support.by_chance)
     total = np.full(len(next(iter(present.values()))), support.none)
     for state, p in [*prior.items(), ("elsewhere", max(0.0, 1.0 - support.none - sum(prior.values())))]:
         weight = p
         for name, there in present.items():
             ways = [s for s in support.stances if s.hypothesis == name and (s.on == state or s.on in present)]
             stands = [s.chance * np.exp(s.log_ratio) * present.get(s.on, 1.0) for s in ways]
-            weight = weight * np.where(there, 1.0 - support.rests + sum(stands), 1.0)
+            chance = np.where(there, 1.0, by_chance.get(name, 0.0))
+            weight = weight * (1.0 - chance + chance * (1.0 - support.rests + sum(stands)))
         total = total + weight
     with np.errstate(divide="ignore"):
         return np.log(total)

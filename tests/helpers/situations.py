@@ -204,7 +204,10 @@ def shares(rng, count):
 
 
 def with_support(subject, seed, most=4):
-    """Planes, up to ``most``, and ways to stand on them and on each other, drawn; some priors and chances are 0."""
+    """Planes, up to ``most``, and ways to stand on them and on each other, drawn; some priors and chances are 0.
+
+    In half of them some stand by chance where they are absent.
+    """
     rng = Random(seed)  # noqa: S311 - a test's
     *priors, none = shares(rng, rng.randint(0, most) + 1)
     planes = tuple(plane(f"s{i}", prior) for i, prior in enumerate(priors, 1))
@@ -226,4 +229,6 @@ def with_support(subject, seed, most=4):
                 )
                 for (on, face), share in zip(ways, shares(rng, len(ways)), strict=True)
             ]
-    return replace(subject, support=Support(rests, none, planes, tuple(stances)))
+    some = [name for name in ids if rng.random() < 0.8] if rng.random() < 0.5 else []
+    by_chance = tuple((name, rng.choice([0.12, 0.12, 0.5, 0.0, 1.0])) for name in some)
+    return replace(subject, support=Support(rests, none, planes, tuple(stances), by_chance))

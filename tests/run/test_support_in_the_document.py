@@ -62,6 +62,7 @@ def test_each_hypothesis_tells_its_stances_and_how_free_it_is(written):
     for h in rows:
         assert sum(s["probability"] for s in h["stances"]) + h["free"] <= ranking.marginals[h["id"]] + 1e-9
         assert "expected_detected" in next(iter(h["support"].values()))
+    assert {h["id"]: h["stands_by_chance"] for h in rows if "stands_by_chance" in h} == {"h2": 0.12}
 
 
 def test_worlds_tell_what_things_stand_on(written):
@@ -121,6 +122,7 @@ def test_whose_pose_is_withheld_stands_nowhere(file):
         (lambda d: d["hypotheses"][0]["stances"][0].update(on="s7"), "'s7' is unknown"),
         (lambda d: d["hypotheses"][0]["stances"][0].update(on="h2"), "some stand on what stands on them"),
         (lambda d: d["resting"].update(rests=2), "resting.rests"),
+        (lambda d: d["hypotheses"][0].update(stands_by_chance=2), "stands_by_chance"),
     ],
 )
 def test_a_spoilt_file_is_told(written, tmp_path, spoil, said):

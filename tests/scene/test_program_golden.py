@@ -99,7 +99,9 @@ def standing():
     bodies = [hypothesis(name, [feature("x", match=f"a_{name}"), feature("y", "C")]) for name in ("h1", "h2")]
     tilted = replace(plane("s1", 0.6), normal=(0.0, -0.8, -0.6), offset=-1.25)
     stances = Stance("h1", "s1", 2, 0.9, 3.5), Stance("h2", "s1", 0, 0.45, -8.0), Stance("h2", "h1", 0, 0.45, 4.0)
-    return situation(bodies, "posterior", support=Support(0.9, 0.05, (tilted, plane("s2", 0.3)), stances))
+    return situation(
+        bodies, "posterior", support=Support(0.9, 0.05, (tilted, plane("s2", 0.3)), stances, (("h2", 0.12),))
+    )
 
 
 SUBJECTS = {

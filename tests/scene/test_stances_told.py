@@ -189,6 +189,19 @@ def test_explain_says_what_is_against_it():
     assert found.endswith(f"{math.log(0.1):+.3g} in log-odds")
 
 
+def test_explain_says_that_it_may_stand_so_by_chance():
+    stances = (Stance("h1", "s1", 2, 0.9, 3.0),)
+    for e in (0.12, 1.0):
+        support = Support(0.9, 0.0, (plane("s1", 1.0),), stances, (("h1", e),))
+        f = 0.1 + 0.9 * math.exp(3.0)
+        gain = math.log(f / (1.0 - e + e * f))
+        mark = "believed because" if e < 1.0 else "no evidence:"
+        assert line(replace(stack(), support=support), "h1", "stands on s1") == (
+            f"  {mark} it stands on s1, a plane of its own: {gain:+.3g} in log-odds, its pose standing so by chance"
+            f" with {e:.3g} if it is not there"
+        )
+
+
 def test_in_the_score_reading_it_is_told_as_no_evidence():
     found = line(stack("score"), "h2", "no evidence in this reading")
     assert found.startswith("  most probably it stands on h1; ")
@@ -198,4 +211,4 @@ def test_in_the_score_reading_it_is_told_as_no_evidence():
 def test_explanations_choice_by_choice_name_the_choice():
     account = explain(stack(), "stands_on(h1, s1)")
     choices = {choice for e in account.why for choice in e.choices}
-    assert {"support(s1)", "stance(h1, s1, 2)"} <= choices
+    assert {"support(s1)", "footing(h1, s1, 2)"} <= choices

@@ -13,7 +13,8 @@ import pytest
 from enumeration import log_weights
 from hypothesis import HealthCheck, Phase, given, settings
 from hypothesis import strategies as st
-from situations import feature, hypothesis, plane, random_situations, situation, with_gravity, with_pixels, with_support
+from lone_standing import by_chance, lone, on_plane, worlds_of
+from situations import plane, random_situations, with_gravity, with_pixels, with_support
 from stock_worlds import evaluated
 
 from plogic.base.errors import InconsistentError, SituationError
@@ -53,7 +54,7 @@ def by_hand(subject):
     return {world: math.exp(x - total) for world, x in rows.items()}
 
 
-GOALS = "present(X)", "support_plane(S)", "stands_on(H, S)", "rests_on(H, X)", "held(H)", "free(H)"
+GOALS = "present(X)", "support_plane(S)", "stance(H, S, R)", "stands_on(H, S)", "rests_on(H, X)", "held(H)", "free(H)"
 
 
 def assert_same_answers(subject, goals):
@@ -102,14 +103,6 @@ def test_rules_of_the_author_speak_of_it_as_in_problog(rules, subject, seed):
     assert_same_answers(
         replace(with_support(subject, seed), rules=rules), ("present(X)", "support_plane(S)", "free(H)")
     )
-
-
-def worlds_of(subject):
-    """Each world and its probability; {} where none is possible."""
-    try:
-        return {w.present: w.probability for w in ranked_worlds(subject, 10**6).worlds}
-    except InconsistentError:
-        return {}
 
 
 @settings(QUICK, max_examples=150)
@@ -173,6 +166,7 @@ def renamed(subject, name):
     """The same with hypotheses and planes called otherwise, and in reverse order."""
     support = subject.support
     stances = tuple(replace(s, hypothesis=name(s.hypothesis), on=name(s.on)) for s in support.stances)
+    by_chance = tuple((name(h), e) for h, e in support.by_chance)
     planes = tuple(replace(p, name=name(p.name)) for p in support.planes)
     hypotheses = tuple(
         h.told(id=name(h.id), features=tuple(replace(f, hidden_by=tuple(map(name, f.hidden_by))) for f in h.features))
@@ -185,7 +179,7 @@ def renamed(subject, name):
     return replace(
         subject,
         hypotheses=hypotheses[::-1],
-        support=replace(support, planes=planes[::-1], stances=stances[::-1]),
+        support=replace(support, planes=planes[::-1], stances=stances[::-1], by_chance=by_chance[::-1]),
         relations=(),
         **pairs,
     )
@@ -206,12 +200,6 @@ def test_names_and_order_change_nothing(subject, seed):
             )
 
 
-def lone(*names, reading="posterior", **changes):
-    """Hypotheses that have nothing to do with each other."""
-    features = [[feature("x", match=f"a_{name}"), feature("y", "C")] for name in names]
-    return situation([hypothesis(name, some) for name, some in zip(names, features, strict=True)], reading, **changes)
-
-
 def neutral(name, planes, rests, rng):
     """Ways to stand of which none + Σ prior · (1 - rests + chance · ρ) is 1, as of one object alone (§9.9)."""
     weights = {p.name: 0.05 + rng.random() for p in planes}
@@ -226,7 +214,9 @@ def test_one_alone_keeps_its_probability_and_of_several_the_others_count(rng, co
     planes = tuple(plane(f"s{i}", 0.9 / count) for i in range(count))
     one = Support(0.9, 0.1, planes, tuple(neutral("h1", planes, 0.9, rng)))
     alone = lone("h1")
-    assert worlds_of(replace(alone, support=one)) == pytest.approx(worlds_of(alone), abs=1e-9)
+    for e in (0.0, 0.12, 0.7, 1.0):
+        told = replace(one, by_chance=(("h1", e),))
+        assert worlds_of(replace(alone, support=told)) == pytest.approx(worlds_of(alone), abs=1e-9)
     both = replace(one, stances=(*one.stances, *(replace(s, hypothesis="h2") for s in one.stances)))
     beside = worlds_of(replace(lone("h1", "h2"), support=both))
     before = worlds_of(lone("h1", "h2"))
@@ -235,10 +225,6 @@ def test_one_alone_keeps_its_probability_and_of_several_the_others_count(rng, co
     odds = (beside[("h1", "h2")] / beside[()]) / (before[("h1", "h2")] / before[()])
     assert odds == pytest.approx(gained)
     assert gained >= 1.0 - 1e-12
-
-
-def on_plane(ratio, none=0.0, rests=0.9):
-    return Support(rests, none, (plane("s1", 1.0 - none),), (Stance("h1", "s1", 1, rests, ratio),))
 
 
 def answer(subject, goal):
@@ -286,15 +272,17 @@ def test_the_relevant_part_gives_the_same_answer(subject, seed):
             assert {a.goal: a.probability for a in part} == pytest.approx({a.goal: a.probability for a in whole})
 
 
-def test_one_may_stand_on_very_many_others():
+@pytest.mark.parametrize("e", [0.0, 0.12, 1.0])
+def test_one_may_stand_on_very_many_others(e):
     """More than one factor looks at: its stance is a variable, and the worlds are those of the definition."""
     names = [f"h{i}" for i in range(9)]
     stances = tuple(Stance("h0", other, 0, 0.1, 0.5 * i) for i, other in enumerate(names[1:]))
-    subject = lone(*names, support=Support(0.9, 0.2, (plane("s1", 0.5),), stances))
+    subject = by_chance(lone(*names, support=Support(0.9, 0.2, (plane("s1", 0.5),), stances)), e)
     assert worlds_of(subject) == pytest.approx(by_hand(subject), abs=1e-9)
 
 
-def test_many_that_surely_stand_are_no_less_exact_in_problog():
+@pytest.mark.parametrize("e", [0.0, 0.12])
+def test_many_that_surely_stand_are_no_less_exact_in_problog(e):
     """Trap (g): each absent one weighs e^-12 and less of what it could, together far less than 1e-12."""
     names = [f"h{i}" for i in range(8)]
     stances = tuple(
@@ -302,7 +290,7 @@ def test_many_that_surely_stand_are_no_less_exact_in_problog():
         for i, name in enumerate(names)
         for on in ("s1", "s2")
     )
-    subject = lone(*names, support=Support(0.9, 0.1, (plane("s1", 0.5), plane("s2", 0.3)), stances))
+    subject = by_chance(lone(*names, support=Support(0.9, 0.1, (plane("s1", 0.5), plane("s2", 0.3)), stances)), e)
     theirs = stock(subject, [f"present({name})" for name in names] + ["support_plane(s1)"])
     ours = {goal: answer(subject, goal) for goal in theirs}
     assert len(ours) == 9
@@ -310,7 +298,8 @@ def test_many_that_surely_stand_are_no_less_exact_in_problog():
 
 
 def test_who_edits_a_fact_changes_what_follows():
-    text = program_text(lone("h1", support=on_plane(4.0))) + "query(present(h1)).\n"
+    subject = by_chance(lone("h1", support=on_plane(4.0)), 0.12)
+    text = program_text(subject) + "query(present(h1)).\n"
     for old, new, support in (
         ("0.9, 4.0).", "0.9, -2.0).", on_plane(-2.0)),
         ("rests_chance(0.9)", "rests_chance(0.95)", replace(on_plane(4.0), rests=0.95)),
@@ -318,7 +307,10 @@ def test_who_edits_a_fact_changes_what_follows():
     ):
         assert text.count(old) == 1
         (found,) = evaluated(text.replace(old, new)).values()
-        assert found == pytest.approx(answer(lone("h1", support=support), "present(h1)"), abs=1e-9)
+        told = by_chance(lone("h1", support=support), 0.12)
+        assert found == pytest.approx(answer(told, "present(h1)"), abs=1e-9)
+    (found,) = evaluated(text.replace("0.12::by_chance(h1)", "0.5::by_chance(h1)")).values()
+    assert found == pytest.approx(answer(by_chance(subject, 0.5), "present(h1)"), abs=1e-9)
 
 
 TWO = Stance("h1", "s1", 0, 0.4, 1.0)
@@ -342,6 +334,9 @@ TWO = Stance("h1", "s1", 0, 0.4, 1.0)
         ({"stances": (TWO, replace(TWO, on="h2", chance=0.51))}, "chances of h1 sum to 0.91"),
         ({"stances": (replace(TWO, on="h2"), Stance("h2", "h1", 0, 0.2, 0.0))}, "h1, h2 some stand on what stands"),
         ({"stances": (replace(TWO, on="h1"),)}, "of h1 some stand on what stands"),
+        ({"by_chance": (("h9", 0.1),)}, "by_chance: 'h9' is unknown"),
+        ({"by_chance": (("h1", 0.1), ("h1", 0.2))}, "by_chance 'h1' occurs twice"),
+        ({"by_chance": (("h1", 1.5),)}, "by_chance of h1: 1.5 is not a number from 0.0 to 1.0"),
     ],
 )
 def test_what_contradicts_itself_is_refused(change, message):

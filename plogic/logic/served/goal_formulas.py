@@ -18,7 +18,7 @@ from plogic.logic.grounding.load import Request, by_problog, quickly, request_fr
 from plogic.logic.safety.atoms import Names
 from plogic.logic.safety.guarded_engine import told
 
-OPEN = ("present", "chosen", "support", "stance")
+OPEN = ("present", "chosen", "support", "footing")
 """The choices that are left open, so that their labels mean nothing; all others are a rule's own."""
 
 

@@ -252,8 +252,17 @@ def _stands(view: View) -> Iterator[str]:
         return
     without = [other for other in view.world if other != name]
     gain = standing.log_weight(view.world) - standing.log_weight(without)
-    mark = "believed because" if gain > 0.0 else "against:"
-    yield f"  {mark} it {_standing(standing, on, others)}: {gain:+.3g} in log-odds"
+    mark = "no evidence:" if abs(gain) < NOTHING else "believed because" if gain > 0.0 else "against:"
+    yield f"  {mark} it {_standing(standing, on, others)}: {gain:+.3g} in log-odds{_by_chance(standing, name)}"
+
+
+NOTHING = 1e-9
+"""Log-odds that rounding alone may make."""
+
+
+def _by_chance(standing: Standing, name: str) -> str:
+    e = standing.by_chance.get(name, 0.0)
+    return f", its pose standing so by chance with {e:.3g} if it is not there" if e else ""
 
 
 def _standing(standing: Standing, on: str, others: Sequence[str]) -> str:

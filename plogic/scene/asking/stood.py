@@ -8,7 +8,7 @@ import time
 from plogic.base.errors import OutsideError
 from plogic.facts.situation import Situation, names_of
 from plogic.facts.stances import FREE, NONE, Stance, Stood, Support
-from plogic.inference.gates import And, Formula, Literal
+from plogic.inference.gates import And, Formula, Literal, Not
 from plogic.inference.marginals import beliefs
 from plogic.logic.safety.atoms import quoted
 from plogic.logic.served.engine import Limits, run
@@ -42,7 +42,7 @@ def stood(situation: Situation, seconds: float | None = None) -> Stood | None:
 
 
 def _on_graph(situation: Situation, support: Support, posed: list[str], seconds: float | None) -> list[float]:
-    spoken = Meaning((("support", [[NONE]]), *(("stance", [[name], [FREE], [NONE]]) for name in posed)), (), (), ())
+    spoken = Meaning((("support", [[NONE]]), *(("footing", [[name], [FREE], [NONE]]) for name in posed)), (), (), ())
     scene = scene_graph(situation, spoken=[*standing(situation), spoken])
     end = None if seconds is None else time.monotonic() + seconds
     asked = Asked(
@@ -54,7 +54,9 @@ def _on_graph(situation: Situation, support: Support, posed: list[str], seconds:
     standing_so = dict.fromkeys(posed, 0.0)
     for stance, p in zip(support.stances, stances, strict=True):
         standing_so[stance.hypothesis] += p
-    said = {name: 1.0 - _middle(asked, scene.stances[name].literal(*UNSAID)) for name in posed}
+    said = {
+        name: _middle(asked, And((_present(scene, name), Not(scene.footings[name].literal(*UNSAID))))) for name in posed
+    }
     return [*planes, *stances, *(max(0.0, said[name] - standing_so[name]) for name in posed)]
 
 
@@ -63,11 +65,14 @@ def _middle(asked: Asked, formula: Formula) -> float:
 
 
 def _there(scene: SceneGraph, stance: Stance) -> Formula:
-    so = scene.stances[stance.hypothesis].literal(stance.on, str(stance.face))
-    if stance.on not in scene.place:
-        return so
-    variable, state = scene.place[stance.on]
-    return And((so, Literal(variable, frozenset({state}))))
+    so = scene.footings[stance.hypothesis].literal(stance.on, str(stance.face))
+    who = [name for name in (stance.hypothesis, stance.on) if name in scene.place]
+    return And((so, *(_present(scene, name) for name in who)))
+
+
+def _present(scene: SceneGraph, name: str) -> Literal:
+    variable, state = scene.place[name]
+    return Literal(variable, frozenset({state}))
 
 
 def _by_text(situation: Situation, support: Support, posed: list[str], seconds: float | None) -> list[float]:

@@ -54,7 +54,19 @@ if TYPE_CHECKING:
 
 Key = int | None
 
-OUTSIDE = ("hit/2", "pick/2", "luck/2", "ev_holds/2", "joint/3", "agrees/1", "excused/1", "drawn/1", "told_fits/3")
+OUTSIDE = (
+    "hit/2",
+    "pick/2",
+    "luck/2",
+    "ev_holds/2",
+    "joint/3",
+    "agrees/1",
+    "excused/1",
+    "drawn/1",
+    "told_fits/3",
+    "by_chance/1",
+    "has_footing/1",
+)
 """Choices that the factor graph has summed out, and what is said in terms of them."""
 LOOKING = (
     *(f"subquery/{n}" for n in (2, 3, 5)), *(f"subquery_in_scope/{n}" for n in (3, 4, 6)), "possible/1", "clause/2", "clause/3",
@@ -149,14 +161,14 @@ class Meaning:
         return frozenset(arguments[0][0] for kind, arguments in self.nodes if kind == "chosen")
 
     @property
-    def stances(self) -> frozenset[str]:
-        """Those whose stance is spoken of."""
-        return frozenset(arguments[0][0] for kind, arguments in self.nodes if kind == "stance")
+    def footings(self) -> frozenset[str]:
+        """Those whose footing is spoken of."""
+        return frozenset(arguments[0][0] for kind, arguments in self.nodes if kind == "footing")
 
     @property
     def planes(self) -> bool:
         """Whether it is spoken of what things stand on."""
-        return any(kind in ("support", "stance") for kind, _ in self.nodes)
+        return any(kind in ("support", "footing") for kind, _ in self.nodes)
 
     def formulas(self, keys: Iterable[Key], scene: "SceneGraph") -> list[Formula]:
         """The formulas of the keys, which share their parts; nodes come before those that use them."""
@@ -177,7 +189,7 @@ class Meaning:
 
 
 def _literal(kind: str, arguments: list[Any], scene: "SceneGraph") -> Formula:
-    """``present(h1)``, ``chosen(a1, h1/roof/apex)``, ``support(s1)``, ``stance(h1, s1, 2)``, or the author's."""
+    """``present(h1)``, ``chosen(a1, h1/roof/apex)``, ``support(s1)``, ``footing(h1, s1, 2)``, or the author's."""
     if kind in ("present", "choice"):
         variable, state = (
             scene.place[arguments[0][0]] if kind == "present" else scene.choices[arguments[0], arguments[1]]
@@ -186,7 +198,7 @@ def _literal(kind: str, arguments: list[Any], scene: "SceneGraph") -> Formula:
     name, *rest = (label for argument in arguments for label in argument)
     if kind == "support" and scene.support is not None:
         return scene.support.literal(name)
-    return (scene.stances if kind == "stance" else scene.causes)[name].literal(*rest)
+    return (scene.footings if kind == "footing" else scene.causes)[name].literal(*rest)
 
 
 def meaning(

@@ -95,7 +95,7 @@ class SceneGraph:
     ``decided``: auxiliary variables of which each has one possible state in a world. ``choices``: the (variable, state)
     of each choice of the author's that is spoken of. ``spoken``: whether the causes are variables since something
     speaks of them, or of what things stand on. ``support``: what they stand on, where that matters, and the
-    ``stances`` that are spoken of.
+    ``footings`` that are spoken of.
     """
 
     graph: FactorGraph
@@ -106,7 +106,7 @@ class SceneGraph:
     choices: dict[tuple[str, int], tuple[int, int]] = field(default_factory=dict)
     spoken: bool = False
     support: Choice | None = None
-    stances: dict[str, Choice] = field(default_factory=dict)
+    footings: dict[str, Choice] = field(default_factory=dict)
 
     @property
     def auxiliary(self) -> tuple[int, ...]:
@@ -137,9 +137,9 @@ def scene_graph(situation: Situation, *, explicit: Collection[str] = (), spoken:
         pairs |= situation.exclusive  # an appearance serves one feature
     tables.forbid([(cast.place[x], cast.place[y]) for x, y in pairs])
     decided = add_floating(tables, cast)
-    stances = frozenset[str]().union(*(meant.stances for meant in spoken))
+    footings = frozenset[str]().union(*(meant.footings for meant in spoken))
     planes = any(meant.planes for meant in spoken)
-    support = add_support(tables, cast, stances, planes=planes)
+    support = add_support(tables, cast, footings, planes=planes)
     choices = _add_choices(tables, spoken)
     scene = SceneGraph(
         tables.graph(), cast.variables, cast.place, causes, decided, choices, bool(explicit) or planes, *support

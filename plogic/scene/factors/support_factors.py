@@ -3,7 +3,7 @@
 In the posterior reading stances are summed out but where they are spoken of, or where a hypothesis may stand on very
 many others; in the score reading they change nothing, and are there where they are spoken of alone.
 
-A stance's variable says ``UNSAID`` where its hypothesis is absent, or nothing says where things stand.
+A footing's variable says ``UNSAID`` where its hypothesis has none, or nothing says where things stand.
 """
 
 from collections.abc import Collection
@@ -13,7 +13,7 @@ from typing import NamedTuple
 import numpy as np
 
 from plogic.facts.stances import FREE, NONE
-from plogic.scene.factors.weight_tables import IMPOSSIBLE, Cast, Choice, Literal, Tables, log, logs_of
+from plogic.scene.factors.weight_tables import IMPOSSIBLE, Cast, Choice, Literal, Tables, logs_of
 from plogic.scene.readings.standing import Standing
 
 MOST_HOLDERS = 6
@@ -22,10 +22,10 @@ UNSAID = ("",)
 
 
 class Supports(NamedTuple):
-    """The choice of the image, and those stances that are variables."""
+    """The choice of the image, and those footings that are variables."""
 
     image: Choice | None = None
-    stances: dict[str, Choice] = {}  # noqa: RUF012 - nobody adds to it
+    footings: dict[str, Choice] = {}  # noqa: RUF012 - nobody adds to it
 
 
 def add_support(tables: Tables, cast: Cast, spoken: Collection[str], *, planes: bool) -> Supports:
@@ -37,14 +37,14 @@ def add_support(tables: Tables, cast: Cast, spoken: Collection[str], *, planes: 
     told = [
         name for name in standing.posed if name in spoken or (posterior and len(standing.holders(name)) > MOST_HOLDERS)
     ]
-    stances = {name: _variable(tables, standing, name) for name in told}
+    footings = {name: _variable(tables, standing, name) for name in told}
     image = Choice(tables.variable(logs_of(standing.states.values())), tuple((state,) for state in standing.states))
     for name in standing.posed if posterior else told:
-        if name in stances:
-            _add_stance(tables, cast, standing, name, (stances[name], image))
+        if name in footings:
+            _add_footing(tables, cast, standing, name, (footings[name], image))
         else:
             _add_summed(tables, cast, standing, name, image)
-    return Supports(image, stances)
+    return Supports(image, footings)
 
 
 def _variable(tables: Tables, standing: Standing, name: str) -> Choice:
@@ -53,21 +53,23 @@ def _variable(tables: Tables, standing: Standing, name: str) -> Choice:
     return Choice(tables.variable([0.0] * len(states)), states)
 
 
-def _add_stance(tables: Tables, cast: Cast, standing: Standing, name: str, made: tuple[Choice, Choice]) -> None:
+def _add_footing(tables: Tables, cast: Cast, standing: Standing, name: str, made: tuple[Choice, Choice]) -> None:
     """The weight of each stance in each state of the image; in the posterior nothing stands on what is absent."""
-    stance, image = made
+    footing, image = made
     variable, state = cast.place[name]
-    table = np.full((tables.cards[variable], len(stance.states), len(image.states)), IMPOSSIBLE)
-    table[:, 0] = 0.0
+    weights = np.zeros((tables.cards[variable], len(footing.states), len(image.states)))
+    chance = np.full(tables.cards[variable], standing.by_chance.get(name, 0.0))
+    chance[state] = 1.0
     for i, (plane,) in enumerate(image.states):
         ways = standing.choice(name, plane)
-        table[state, 0, i] = IMPOSSIBLE if ways else 0.0
+        weights[:, 0, i] = 1.0 - chance if ways else 1.0
         for way in ways:
-            table[state, stance.states.index((way.on, way.face)), i] = log(way.weight)
-    tables.add((variable, stance.variable, image.variable), table)
+            weights[:, footing.states.index((way.on, way.face)), i] = chance * way.weight
+    with np.errstate(divide="ignore"):
+        tables.add((variable, footing.variable, image.variable), np.log(weights))
     for holder in standing.holders(name) if cast.situation.reading == "posterior" else ():
-        on_it = tuple(i for i, (on, *_) in enumerate(stance.states) if on == holder)
-        literals: list[Literal] = [(stance.variable, on_it), (cast.place[holder][0], (cast.place[holder][1],))]
+        on_it = tuple(i for i, (on, *_) in enumerate(footing.states) if on == holder)
+        literals: list[Literal] = [(footing.variable, on_it), (cast.place[holder][0], (cast.place[holder][1],))]
         tables.add_bits(literals, [0.0, IMPOSSIBLE, 0.0, 0.0])
 
 
@@ -78,7 +80,7 @@ def _add_summed(tables: Tables, cast: Cast, standing: Standing, name: str, image
     literals: list[Literal] = [(cast.place[one][0], (cast.place[one][1],)) for one in names]
     literals += [(image.variable, tuple(i for i in range(count) if i >> digit & 1)) for digit in digits]
     logs = np.zeros((2 ** len(digits), 2 ** len(names)))
-    for i, row in product(range(count), range(1, 2 ** len(names), 2)):
+    for i, row in product(range(count), range(2 ** len(names))):
         world = {one for bit, one in enumerate(names) if row >> bit & 1}
         logs[i, row] = standing.log_factor(name, image.states[i][0], world)
     tables.add_bits(literals, logs.ravel())

@@ -1,13 +1,14 @@
 """The choices of what things stand on, with their weights in the two readings (§9.9).
 
 An image has one *state*: a plane by its name, ``NONE`` (nothing says where things stand), or ``OTHER`` (on a plane,
-but on none of those named). In every state but ``NONE`` each present hypothesis has one stance: on the plane of the
-state, on another hypothesis, or ``FREE``. Vocabulary:
+but on none of those named). In every state but ``NONE`` each hypothesis that has a footing has one stance: on the plane
+of the state, on another hypothesis, or ``FREE``. Who is present has one, and by chance e who is absent. Vocabulary:
 
 * ``Way("s1", "2", 0.3)``: one stance and its weight; ``Way(FREE, NONE, 0.1)``: held, leaning, hung
 
 Posterior: a stance weighs its chance times ρ, being free 1 - rests, and nothing stands on what is absent. Score: a
-stance weighs its chance, being free what is left of 1, and who would stand on what is absent is free.
+stance weighs its chance, being free what is left of 1, and who would stand on what is absent is free. So a hypothesis
+weighs, in the posterior, f where it is present and 1 - e + e f where it is absent, f the sum over its stances.
 """
 
 from collections.abc import Collection
@@ -80,6 +81,11 @@ class Standing:
         return frozenset(h.id for h in self.situation.hypotheses)
 
     @cached_property
+    def by_chance(self) -> dict[str, float]:
+        """P(a hypothesis has a footing, given that it is absent), of those of which it is not 0."""
+        return {name: bounded(e) for name, e in self.support.by_chance if e > 0.0}
+
+    @cached_property
     def posed(self) -> dict[str, None]:
         """The hypotheses whose poses are known, in the order of Δh: nothing is said of how others stand."""
         withheld = self.situation.withheld
@@ -100,7 +106,7 @@ class Standing:
         return [plane.name for plane in self.support.planes if plane.name in mine]
 
     def choice(self, name: str, state: str) -> list[Way]:
-        """The alternative of a present hypothesis in a state; ``FREE`` is last. Nothing in ``NONE``."""
+        """The alternative of a hypothesis that has a footing in a state; ``FREE`` is last. Nothing in ``NONE``."""
         if state == NONE or name not in self.posed:
             return []
         posterior, stances = self.situation.reading == "posterior", self.stances(name, state)
@@ -112,7 +118,7 @@ class Standing:
         return [*(Way(s.on, str(s.face), p * r / whole) for s, p, r in rows), Way(FREE, NONE, free / whole)]
 
     def ways(self, name: str, state: str, world: Collection[str]) -> list[Way]:
-        """The same of a hypothesis in a world that holds it."""
+        """The same in a world; nothing that stands on what is absent."""
         found = self.choice(name, state)
         there = [way for way in found if way.on in world or way.on in (state, FREE)]
         if self.situation.reading == "score" and len(there) < len(found):
@@ -121,14 +127,15 @@ class Standing:
 
     def log_factor(self, name: str, state: str, world: Collection[str]) -> float:
         """Ln of what a hypothesis' stances change of the weight of a world in a state (posterior)."""
-        if state == NONE or name not in world or name not in self.posed:
+        chance = 1.0 if name in world else self.by_chance.get(name, 0.0)
+        if state == NONE or not chance or name not in self.posed:
             return 0.0
-        weight = fsum(way.weight for way in self.ways(name, state, world))
+        weight = 1.0 - chance + chance * fsum(way.weight for way in self.ways(name, state, world))
         return log(weight) if weight > 0.0 else -inf
 
     def log_weights(self, world: Collection[str]) -> dict[str, float]:
-        """Ln of the weight of each state in a world: its share times the factors (posterior) of those present."""
-        factors = world if self.situation.reading == "posterior" else ()
+        """Ln of the weight of each state in a world: its share times the factors (posterior) of the hypotheses."""
+        factors = self.posed if self.situation.reading == "posterior" else ()
         return {
             state: (log(share) if share > 0.0 else -inf) + sum(self.log_factor(name, state, world) for name in factors)
             for state, share in self.states.items()

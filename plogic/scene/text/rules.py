@@ -17,7 +17,7 @@ FACTS = (
     "behind_surface/3", "match/3", "preferred/3", "datum/2", "overlap/2", "rival_pair/2", "exclusive/2", "outline_relation/3",
     "outline_roc/3", "part_relation/3", "part_roc/3", "at/4", "distance/2", "body_middle/4", "body_nearest/2", "up_direction/3", "inside_image/1",
     "cut_by_image/1", "body_gap/3", "body_over/2", "body_on/2", "body_on_both/3", "weighs/1", "open_foot/3", "body_rests/2", "dv/2",
-    "rank/2", "occluders/2", "cells/3", "drawn/1", "said_roc/4", "said_relation/4", "stands/1", "support/1", "stance/3",
+    "rank/2", "occluders/2", "cells/3", "drawn/1", "said_roc/4", "said_relation/4", "stands/1", "support/1", "footing/3",
 )  # fmt: skip
 """Predicates of facts, and of choices, of which an image may have none; those of one reading alone are in ``ONLY``."""
 ONLY = {
@@ -27,6 +27,7 @@ ONLY = {
 
 SOME = (
     "pixel_occluders/2", "pixels/3", "told_fits/3", "rests_chance/1", "plane/5", "plane_prior/2", "way_to_stand/5",
+    "by_chance/1",
 )  # fmt: skip
 """Predicates of facts, and of a choice, of programs in which a photo's pixels, or supports, are told."""
 LONGEST = 15.0
@@ -226,22 +227,26 @@ told(pixels(H), C, L) :- pixels(H, C, L).
 """
 
 STANCES = r"""
+% §9.9: who has a footing is chosen a way to stand: what is present, and what is not, but whose pose stands by chance.
+has_footing(H) :- present(H).
+has_footing(H) :- by_chance(H), \+ present(H).
+
 % §9.9: a hypothesis whose plane is none of those that it has ways to stand on.
 other_plane(H) :- hypothesis(H, _), \+ support(none), \+ own_plane(H).
 own_plane(H) :- way_to_stand(H, S, _, _, _), support(S).
 """
 
 STANDING = r"""
-% §9.9: a pose is as likely as its stance makes it: ρ = e^L where it stands on what is there, 1 where it is free or absent, or nothing says.
-stands_right(H) :- stance_case(H, C), fits_told(stance(H), C).
-stance_case(H, free) :- hypothesis(H, _), \+ present(H).
-stance_case(H, free) :- present(H), support(none).
-stance_case(H, free) :- stance(H, free, _).
-stance_case(H, way(S, R)) :- stance(H, S, R), S \= free, to_stand_on(S).
+% §9.9: a pose is as likely as its footing makes it: ρ = e^L where it stands on what is there, 1 where it is free or has none, or nothing says.
+stands_right(H) :- footing_case(H, C), fits_told(footing(H), C).
+footing_case(H, free) :- hypothesis(H, _), \+ has_footing(H).
+footing_case(H, free) :- has_footing(H), support(none).
+footing_case(H, free) :- footing(H, free, _).
+footing_case(H, way(S, R)) :- footing(H, S, R), S \= free, to_stand_on(S).
 to_stand_on(S) :- support(S).
 to_stand_on(X) :- present(X).
-told(stance(H), free, 0.0) :- hypothesis(H, _).
-told(stance(H), way(S, R), L) :- way_to_stand(H, S, R, _, L).
+told(footing(H), free, 0.0) :- hypothesis(H, _).
+told(footing(H), way(S, R), L) :- way_to_stand(H, S, R, _, L).
 """
 
 VIOLATED = r"""

@@ -1,7 +1,8 @@
 """What things stand on in the program (§9.9): planes and ways to stand (layer 2), and their choices (layer 3).
 
 ``P1/T::support(s1); P2/T::support(none) :- ...`` is the one choice of an image; what is left is a plane that is none of
-those named. Each hypothesis that is present has a choice of stances on a plane, and one wherever it has none on that.
+those named. Each hypothesis that has a footing has a choice of ways to stand on a plane, and one for all others.
+``0.12::by_chance(h1).``: it has a footing where it is absent, too.
 """
 
 from collections.abc import Iterator
@@ -30,8 +31,14 @@ def support_facts(w: Writer) -> Iterator[str]:
         yield f"way_to_stand({way})."
 
 
+def _by_chance(w: Writer, support: Support) -> Iterator[str]:
+    yield "% The pose of what is absent may stand by chance, as if it were there."
+    yield "by_chance(_) :- fail."
+    yield from (f"{number(bounded(e))}::{w.fact('by_chance', name)}" for name, e in support.by_chance)
+
+
 def support_choices(w: Writer) -> Iterator[str]:
-    """One alternative of planes; one of stances a hypothesis and plane that it may stand on, and one for all others."""
+    """One alternative of planes; one of footings a hypothesis and plane that it may stand on, one for all others."""
     situation = w.scene.situation
     if situation.support is None:
         return
@@ -39,22 +46,23 @@ def support_choices(w: Writer) -> Iterator[str]:
     yield ""
     yield "% Things stand on one of these planes, or nothing says where; what is left is another plane."
     yield from _planes(w, situation.support)
-    yield "% Who is present stands on that plane, or on another hypothesis, in a stable pose, or is free."
+    yield from _by_chance(w, situation.support)
+    yield "% Who has a footing stands on that plane, or on another hypothesis, in a stable pose, or is free."
     for name in standing.posed:
         for state in (*standing.planes(name), OTHER):
-            yield _stances(w, standing, name, state)
+            yield _footings(w, standing, name, state)
 
 
 def open_choices(w: Writer) -> Iterator[str]:
-    """``0.5::support(s1). 0.5::stance(h1, s1, 2).``: what can be chosen, with labels of no meaning."""
+    """``0.5::support(s1). 0.5::footing(h1, s1, 2).``: what can be chosen, with labels of no meaning."""
     situation = w.scene.situation
     if situation.support is None:
         return
     yield from (f"0.5::{w.fact('support', plane.name)}" for plane in situation.support.planes)
     yield f"0.5::support({NONE})."
     for name in Standing(situation, situation.support).posed:
-        yield f"0.5::stance({_way(w, name, FREE, NONE)})."
-    yield from (f"0.5::stance({_way(w, s.hypothesis, s.on, str(s.face))})." for s in situation.support.stances)
+        yield f"0.5::footing({_way(w, name, FREE, NONE)})."
+    yield from (f"0.5::footing({_way(w, s.hypothesis, s.on, str(s.face))})." for s in situation.support.stances)
 
 
 def _planes(w: Writer, support: Support) -> Iterator[str]:
@@ -65,21 +73,21 @@ def _planes(w: Writer, support: Support) -> Iterator[str]:
     yield disjunction(heads, ", ".join([*known, f"T is max(1, {' + '.join(shares)})"]))
 
 
-def _stances(w: Writer, standing: Standing, name: str, state: str) -> str:
-    """``C1/T::stance(h1, s1, 2); F/T::stance(h1, free, none) :- present(h1), support(s1), ...``."""
+def _footings(w: Writer, standing: Standing, name: str, state: str) -> str:
+    """``C1/T::footing(h1, s1, 2); F/T::footing(h1, free, none) :- has_footing(h1), support(s1), ...``."""
     ways = [_way(w, name, s.on, str(s.face)) for s in standing.stances(name, state)]
     chances = [f"C{i}" for i, _ in enumerate(ways, 1)]
     all_of_them = " + ".join(chances) or "0"
     free = f"1 - ({all_of_them})" if w.scene.situation.reading == "score" else "1 - Q"
     body = [
-        f"present({w.atoms(name)})",
+        f"has_footing({w.atoms(name)})",
         f"other_plane({w.atoms(name)})" if state == OTHER else f"support({w.atoms(state)})",
     ]
     body += [f"way_to_stand({way}, {c}, _)" for way, c in zip(ways, chances, strict=True)]
     body += ["rests_chance(Q)"] if w.scene.situation.reading == "posterior" else []
     body += [f"F is max(0, {free})", f"T is max(1, F + {all_of_them})"]
-    heads = [(f"{c}/T", f"stance({way})") for way, c in zip(ways, chances, strict=True)]
-    return disjunction([*heads, ("F/T", f"stance({_way(w, name, FREE, NONE)})")], ", ".join(body))
+    heads = [(f"{c}/T", f"footing({way})") for way, c in zip(ways, chances, strict=True)]
+    return disjunction([*heads, ("F/T", f"footing({_way(w, name, FREE, NONE)})")], ", ".join(body))
 
 
 def _way(w: Writer, name: str, on: str, face: str) -> str:

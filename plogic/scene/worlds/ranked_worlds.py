@@ -239,7 +239,7 @@ def _stood(world: World, situation: Situation, scene: SceneGraph, held: FactorGr
     given_state = beliefs(observed(held, [scene.support.literal(state)]))
     told = Standing(situation, situation.support).told(world.present, state)
     spoken = {
-        name: said(*_likeliest(choice, given_state)) for name, choice in scene.stances.items() if name in told.stances
+        name: said(*_likeliest(choice, given_state)) for name, choice in scene.footings.items() if name in told.stances
     }
     return replace(told, stances={**told.stances, **spoken})
 

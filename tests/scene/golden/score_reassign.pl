@@ -128,7 +128,7 @@ alone(h4).
 % Of these there is nothing here.
 face(_, _) :- fail. object_part(_) :- fail. exclusive(_, _) :- fail. weighs(_) :- fail.
 open_foot(_, _, _) :- fail. body_rests(_, _) :- fail. said_roc(_, _, _, _) :- fail. said_relation(_, _, _, _) :- fail.
-stands(_) :- fail. support(_) :- fail. stance(_, _, _) :- fail. luck(_, _) :- fail.
+stands(_) :- fail. support(_) :- fail. footing(_, _, _) :- fail. luck(_, _) :- fail.
 joint(_, _, _) :- fail.
 
 % What is said of a hypothesis follows from its type (§2).
@@ -318,6 +318,8 @@ in_view_of_camera(X) :- inside_image(X), present(X).
 partly_in_view_of_camera(X) :- cut_by_image(X), present(X).
 % support_plane(S): S is the plane that things rest on; where nobody said that they rest, of nothing.
 support_plane(S) :- support(S), S \= none.
+% stance(H, On, Face): the present H has its stable pose Face on On, which is a plane, or a hypothesis (present in the posterior reading), or `free`.
+stance(H, On, Face) :- footing(H, On, Face), present(H).
 % stands_on(H, S): the present H stands on the plane S, in one of its stable poses.
 stands_on(H, S) :- stance(H, S, _), support_plane(S).
 % rests_on(X, Y): X touches Y from above, or stands on it in one of its stable poses, Y being another hypothesis or `ground`, which is the plane too; where gravity is not said to hold, or up is unknown, and nobody said that things rest, of nothing.

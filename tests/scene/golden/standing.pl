@@ -72,15 +72,18 @@ P::told_fits(E, C, K) :- told(E, C, L), told_most(E, M), told_steps(E, N), betwe
 % Things stand on one of these planes, or nothing says where; what is left is another plane.
 P0/T::support(s1); P1/T::support(s2); P2/T::support(none) :-
   plane_prior(s1, P0), plane_prior(s2, P1), plane_prior(none, P2), T is max(1, P0 + P1 + P2).
-% Who is present stands on that plane, or on another hypothesis, in a stable pose, or is free.
-C1/T::stance(h1, s1, 2); F/T::stance(h1, free, none) :-
-  present(h1), support(s1), way_to_stand(h1, s1, 2, C1, _), rests_chance(Q), F is max(0, 1 - Q), T is max(1, F + C1).
-F/T::stance(h1, free, none) :-
-  present(h1), other_plane(h1), rests_chance(Q), F is max(0, 1 - Q), T is max(1, F + 0).
-C1/T::stance(h2, s1, 0); C2/T::stance(h2, h1, 0); F/T::stance(h2, free, none) :-
-  present(h2), support(s1), way_to_stand(h2, s1, 0, C1, _), way_to_stand(h2, h1, 0, C2, _), rests_chance(Q), F is max(0, 1 - Q), T is max(1, F + C1 + C2).
-C1/T::stance(h2, h1, 0); F/T::stance(h2, free, none) :-
-  present(h2), other_plane(h2), way_to_stand(h2, h1, 0, C1, _), rests_chance(Q), F is max(0, 1 - Q), T is max(1, F + C1).
+% The pose of what is absent may stand by chance, as if it were there.
+by_chance(_) :- fail.
+0.12::by_chance(h2).
+% Who has a footing stands on that plane, or on another hypothesis, in a stable pose, or is free.
+C1/T::footing(h1, s1, 2); F/T::footing(h1, free, none) :-
+  has_footing(h1), support(s1), way_to_stand(h1, s1, 2, C1, _), rests_chance(Q), F is max(0, 1 - Q), T is max(1, F + C1).
+F/T::footing(h1, free, none) :-
+  has_footing(h1), other_plane(h1), rests_chance(Q), F is max(0, 1 - Q), T is max(1, F + 0).
+C1/T::footing(h2, s1, 0); C2/T::footing(h2, h1, 0); F/T::footing(h2, free, none) :-
+  has_footing(h2), support(s1), way_to_stand(h2, s1, 0, C1, _), way_to_stand(h2, h1, 0, C2, _), rests_chance(Q), F is max(0, 1 - Q), T is max(1, F + C1 + C2).
+C1/T::footing(h2, h1, 0); F/T::footing(h2, free, none) :-
+  has_footing(h2), other_plane(h2), way_to_stand(h2, h1, 0, C1, _), rests_chance(Q), F is max(0, 1 - Q), T is max(1, F + C1).
 
 % ==== (4) Σc: constraints and definitions D1-D8, free of any object type
 % Of these there is nothing here.
@@ -171,19 +174,23 @@ told_least(E, L) :- told(E, _, L), \+ told_below(E, L).
 told_below(E, L) :- told(E, _, M), M < L.
 told_steps(E, N) :- told_most(E, M), told_least(E, L), N is max(1, ceiling((M - L) / 15.0)).
 
-% §9.9: a pose is as likely as its stance makes it: ρ = e^L where it stands on what is there, 1 where it is free or absent, or nothing says.
-stands_right(H) :- stance_case(H, C), fits_told(stance(H), C).
-stance_case(H, free) :- hypothesis(H, _), \+ present(H).
-stance_case(H, free) :- present(H), support(none).
-stance_case(H, free) :- stance(H, free, _).
-stance_case(H, way(S, R)) :- stance(H, S, R), S \= free, to_stand_on(S).
+% §9.9: a pose is as likely as its footing makes it: ρ = e^L where it stands on what is there, 1 where it is free or has none, or nothing says.
+stands_right(H) :- footing_case(H, C), fits_told(footing(H), C).
+footing_case(H, free) :- hypothesis(H, _), \+ has_footing(H).
+footing_case(H, free) :- has_footing(H), support(none).
+footing_case(H, free) :- footing(H, free, _).
+footing_case(H, way(S, R)) :- footing(H, S, R), S \= free, to_stand_on(S).
 to_stand_on(S) :- support(S).
 to_stand_on(X) :- present(X).
-told(stance(H), free, 0.0) :- hypothesis(H, _).
-told(stance(H), way(S, R), L) :- way_to_stand(H, S, R, _, L).
+told(footing(H), free, 0.0) :- hypothesis(H, _).
+told(footing(H), way(S, R), L) :- way_to_stand(H, S, R, _, L).
 
 % A4: distinct maximal objects are discrete.
 violated(shares_volume(X, Y)) :- overlap(X, Y), present(X), present(Y).
+
+% §9.9: who has a footing is chosen a way to stand: what is present, and what is not, but whose pose stands by chance.
+has_footing(H) :- present(H).
+has_footing(H) :- by_chance(H), \+ present(H).
 
 % §9.9: a hypothesis whose plane is none of those that it has ways to stand on.
 other_plane(H) :- hypothesis(H, _), \+ support(none), \+ own_plane(H).
@@ -300,6 +307,8 @@ in_view_of_camera(X) :- inside_image(X), present(X).
 partly_in_view_of_camera(X) :- cut_by_image(X), present(X).
 % support_plane(S): S is the plane that things rest on; where nobody said that they rest, of nothing.
 support_plane(S) :- support(S), S \= none.
+% stance(H, On, Face): the present H has its stable pose Face on On, which is a plane, or a hypothesis (present in the posterior reading), or `free`.
+stance(H, On, Face) :- footing(H, On, Face), present(H).
 % stands_on(H, S): the present H stands on the plane S, in one of its stable poses.
 stands_on(H, S) :- stance(H, S, _), support_plane(S).
 % rests_on(X, Y): X touches Y from above, or stands on it in one of its stable poses, Y being another hypothesis or `ground`, which is the plane too; where gravity is not said to hold, or up is unknown, and nobody said that things rest, of nothing.
