@@ -66,12 +66,15 @@ class RestingFaces:
     """``down`` (K, 3) unit normals, out of the body.
 
     ``reach`` (K,) m, down·x of the face: its distance below the frame's origin. ``weight`` (K,): P(it stands on that
-    face, given that it stands), of sum 1.
+    face, given that it stands), of sum 1. Standing there it is ``tall`` (K,) m, and reaches ``wide`` (K,) m to its
+    sides, on average.
     """
 
     down: Floats
     reach: Floats
     weight: Floats
+    tall: Floats
+    wide: Floats
 
     def planes(self, pose: Floats) -> tuple[Floats, Floats]:
         """``up`` (K, 3) and ``offset`` (K,) of the planes under a body at ``pose`` (4, 4), in its frame."""
@@ -87,7 +90,7 @@ def resting_faces(points: Floats) -> RestingFaces:
     """
     from scipy.spatial import ConvexHull, QhullError
 
-    none = RestingFaces(np.zeros((0, 3)), np.zeros(0), np.zeros(0))
+    none = _faces(points, np.zeros((0, 3)), np.zeros(0))
     if not len(points):
         return none
     size = float(np.linalg.norm(np.ptp(points, axis=0)))
@@ -108,7 +111,7 @@ def resting_faces(points: Floats) -> RestingFaces:
             kept.append(i)
     down, area = normal[below[kept]], np.array([supports[i][1] for i in kept])
     reach = (points @ down.T).max(axis=0)
-    return RestingFaces(down, reach, _shared((reach - down @ middle) / size, area))
+    return _faces(points, down, _shared((reach - down @ middle) / size, area))
 
 
 def stated_faces(points: Floats, down: Floats, weight: Floats) -> RestingFaces:
@@ -124,7 +127,16 @@ def stated_faces(points: Floats, down: Floats, weight: Floats) -> RestingFaces:
     total = np.bincount(place.ravel(), weights=weight) / weight.sum()
     order = np.lexsort((first, -np.round(total, ROUND)))
     kept = found[first[order]]
-    return RestingFaces(kept, (points @ kept.T).max(axis=0), total[order])
+    return _faces(points, kept, total[order])
+
+
+def _faces(points: Floats, down: Floats, weight: Floats) -> RestingFaces:
+    """The faces of normals (K, 3) of the hull of ``points`` (N, 3) m."""
+    if not len(down):
+        return RestingFaces(down, np.zeros(0), weight, np.zeros(0), np.zeros(0))
+    along = points @ down.T
+    wide = [0.5 * float(np.ptp(points @ along_plane(one), axis=0).mean()) for one in down]
+    return RestingFaces(down, along.max(axis=0), weight, np.ptp(along, axis=0), np.array(wide))
 
 
 def meant(faces: RestingFaces, down: Floats) -> Ints:

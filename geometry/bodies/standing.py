@@ -40,7 +40,7 @@ class Stands(NamedTuple):
     """``body``, ``face`` (N,): whose ways, and on which faces; ``chance`` (N,) of the face, of those seen from above.
 
     ``up`` (N, 3) the plane's normal, ``foot`` (N, 3) m its place under the body's middle, both in the camera's frame;
-    ``tilt`` (N,) rad and ``high`` (N,) m: standard deviations.
+    ``tilt`` (N,) rad and ``high`` (N,) m: standard deviations. The body is ``tall`` and ``wide`` (N,) m there.
     """
 
     body: Ints
@@ -50,6 +50,8 @@ class Stands(NamedTuple):
     foot: Floats
     tilt: Floats
     high: Floats
+    tall: Floats
+    wide: Floats
 
 
 class Known(NamedTuple):
@@ -80,11 +82,13 @@ def ways(body: int, faces: RestingFaces, pose: Floats, middle: Floats, tilt: flo
         foot,
         np.full(number, tilt),
         high,
+        faces.tall[seen],
+        faces.wide[seen],
     )
 
 
 _NO, _NONE, _NOWHERE = np.zeros(0, np.intp), np.zeros(0), np.zeros((0, 3))
-_NOTHING = Stands(_NO, _NO, _NONE, _NOWHERE, _NOWHERE, _NONE, _NONE)
+_NOTHING = Stands(_NO, _NO, _NONE, _NOWHERE, _NOWHERE, *4 * [_NONE])
 
 
 def joined(some: Sequence[Stands]) -> Stands:

@@ -14,7 +14,7 @@ from typing import NamedTuple, Protocol
 import numpy as np
 
 from geometry.arrays import Floats, Ints
-from geometry.bodies.resting import Plane, RestingFaces
+from geometry.bodies.resting import Plane, RestingFaces, along_plane
 from geometry.bodies.standing import Known, Stands, alike, fitted, joined, log_free, log_ratios, ways
 from geometry.camera import Camera
 from kb.clouds.cloud import KnowledgeBase
@@ -33,6 +33,10 @@ STANDS = 0.5
 BY_CHANCE = 0.12
 """P(a proposal of what is not there stands where others do): where a search goes wrong, it does so at things that stand
 (``python benchmarks/planes.py KB DATASET``). One that was looked for on a plane does always."""
+STACKED = 0.2
+"""P(what rests stands on another of Δh), where there is one that it may stand on."""
+LEAST = 0.2
+"""Probability from which what stands on a plane may carry others."""
 MOST = 4
 """Planes that are told of in one image."""
 STARTS = 16
@@ -222,12 +226,28 @@ def _shares(bodies: Bodies, plane: Plane, there: Floats, rests: float) -> Floats
     return np.asarray(there[of] * parts / of_kind[bodies.kind[of]])
 
 
+def _stacked(bodies: Bodies, plane: Plane, shares: Floats) -> Floats:
+    """(B,) how much likelier each pose is on the tops of those that stand on a plane, by their ``shares`` (N,)."""
+    stands, told = bodies.stands, np.zeros(len(bodies.kind))
+    axes, above = stands.foot @ along_plane(plane.up), plane.height(stands.foot)
+    for lower in np.flatnonzero(shares > LEAST):
+        raised = Plane(plane.up, plane.offset - float(stands.tall[lower]))
+        over = np.linalg.norm(axes - axes[lower], axis=1) < stands.wide[lower]
+        on = over & (above > 0.5 * stands.tall[lower]) & (stands.body != stands.body[lower])
+        if on.any() and raised.offset > 0.0:
+            some = Stands(*(part[on] for part in stands))
+            ratios = np.exp(np.minimum(log_ratios(some, raised), 50.0))
+            told += shares[lower] * np.bincount(some.body, some.chance * ratios, minlength=len(told))
+    return told
+
+
 def _weighed(bodies: Bodies, known: Known, there: Floats, rests: float) -> tuple[float, Believed]:
     """How much all bodies speak for a plane; and what they do."""
-    factors, _ = _factors(bodies, known.plane, rests)
+    shares = _shares(bodies, known.plane, there, rests)
+    factors = _factors(bodies, known.plane, rests)[0] + rests * STACKED * _stacked(bodies, known.plane, shares)
     volume = 1.5 * np.log(2.0 * np.pi) + 0.5 * float(np.linalg.slogdet(known.covariance)[1])
     log_prior = float(np.log(1.0 - NONE) + min(0.0, log_free(known.plane) + volume))
     of_kind = 1.0 - bodies.sums(there) + bodies.sums(there * factors)
-    stands = np.bincount(bodies.stands.body, _shares(bodies, known.plane, there, rests), minlength=len(factors))
+    stands = np.bincount(bodies.stands.body, shares, minlength=len(factors))
     by = tuple(name for name, share in zip(bodies.names, stands, strict=True) if share > STANDS)
     return log_prior + float(np.log(of_kind).sum()), Believed(known, log_prior, factors, by)

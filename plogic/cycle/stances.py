@@ -14,12 +14,10 @@ from geometry.arrays import Floats
 from geometry.bodies.resting import Plane, along_plane
 from geometry.bodies.standing import Known, Stands, log_ratios
 from geometry.frames import transform_points
-from plogic.cycle.planes import MOST, NONE, Believed, Bodies, Setting, bodies_of, supported
+from plogic.cycle.planes import MOST, NONE, STACKED, Believed, Bodies, Setting, bodies_of, supported
 from plogic.facts.hypothesis import Hypothesis
 from plogic.facts.stances import Row, Stance, Support, SupportPlane
 
-STACKED = 0.2
-"""P(what rests stands on another of Δh), where there is one that it may stand on."""
 WORTHLESS = 1e-3
 """Chance times ratio below which a way of standing is not told: beside being free it is nothing."""
 HARDLY = 0.01

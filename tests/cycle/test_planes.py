@@ -18,6 +18,10 @@ TABLE = Plane(EYE[:3, 2], float(-EYE[:3, 2] @ EYE[:3, 3]))
 SPREAD = np.diag([0.01, 0.01, 0.01]) ** 2
 
 
+SHARP = {"tilt": 0.01, "spread": SPREAD / 25.0}
+"""Noise of poses known to half a degree and 2 mm."""
+
+
 def pose(x, y, turn=0.0, height=0.0, tip=0.0):
     turned = turn_about([0.0, 0.0, 1.0], turn) @ turn_about([1.0, 0.0, 0.0], tip)
     return EYE @ from_rotation_translation(turned, (x, y, 0.03 + height))
@@ -73,6 +77,15 @@ def test_what_floats_beside_others_loses_what_resting_is_worth_and_is_free():
     assert found.planes[0].by == ("t0", "t1", "t2")
 
 
+def test_what_stands_on_another_gains_as_well():
+    poses = [pose(0.0, 0.0), pose(0.2, 0.1, 1.0), pose(-0.1, 0.15, 2.0), pose(0.01, 0.0, 0.5, 0.06)]
+    found = supported(bodies(poses, [4.0] * 4, **SHARP), RESTS)
+    aside = supported(bodies([*poses[:3], pose(0.1, -0.1, 0.5, 0.06)], [4.0] * 4, **SHARP), RESTS)
+    assert found.planes[0].by == ("t0", "t1", "t2")
+    assert found.worth[3] > 2.0
+    assert aside.worth[3] == pytest.approx(np.log(1.0 - RESTS), abs=0.1)
+
+
 def test_rivals_of_one_type_do_not_speak_for_a_plane_together():
     poses = [pose(0.0, 0.0), pose(0.2, 0.1, 1.0)]
     found = supported(bodies(poses, [2.0, 2.0], [0, 0]), RESTS)
@@ -86,10 +99,6 @@ def test_what_would_stand_by_chance_gains_no_more_than_that_allows(chance):
     sure, some = (supported(bodies(poses, [3.0] * 4, chance=part), RESTS).worth for part in (0.0, chance))
     assert (some[:3] <= -np.log(chance) + 1e-9).all()
     np.testing.assert_allclose(some, sure - np.log(1.0 - chance + chance * np.exp(sure)))
-
-
-SHARP = {"tilt": 0.01, "spread": SPREAD / 25.0}
-"""Noise of poses known to half a degree and 2 mm."""
 
 
 @settings(max_examples=30, deadline=None, derandomize=True)

@@ -10,8 +10,8 @@ from synthetic import CAMERA
 from geometry.bodies.resting import resting_faces
 from geometry.frames import from_rotation_translation, look_at, turn_about
 from kb.surfaces.surface import Surface
-from plogic.cycle.planes import BY_CHANCE, Setting
-from plogic.cycle.stances import STACKED, support_of_view
+from plogic.cycle.planes import BY_CHANCE, STACKED, Setting
+from plogic.cycle.stances import support_of_view
 from plogic.facts.hypothesis import Hypothesis
 
 EYE = look_at(np.array([0.6, -0.5, 0.7]), np.zeros(3))
