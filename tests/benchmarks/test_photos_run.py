@@ -16,8 +16,12 @@ def one(tmp_path_factory):
 def test_photos_are_counted_claimed_and_drawn(one):
     found, done = ran(one, "photos", "--pictures", "pictures")
     assert done.returncode == 1, "eleven of twelve are asked for"
-    ours, first, peer = found["rows"]
+    ours, without, first, peer = found["rows"]
     assert (ours["row"], ours["there"], ours["right"], ours["false"]) == ("ycb, ours", 2, 2, 0)
+    assert {**without, "seconds": 0} == {**ours, "row": "ycb, without support", "seconds": 0}, (
+        "one alone stands for itself"
+    )
+    assert found["planes"] == []
     assert first["row"] == "ycb, the first of each type"
     assert (first["there"], first["accepted"], first["found"]) == (2, 2, 2)
     assert peer["there"] == 2
