@@ -53,7 +53,8 @@ def support_of_view(posed: Mapping[str, Hypothesis], setting: Setting) -> Suppor
     ways = [way for name, plane in rows for way in _on_plane(name, bodies.stands, plane.known.plane)]
     if planes:
         ways += _on_others(names, posed, bodies, planes[0].known.plane)
-    by_chance = tuple(zip(names, bodies.chance.tolist(), strict=True))
+    mine = zip(names, bodies.chance.tolist(), strict=False)
+    by_chance = tuple((name, e) for name, e in mine if posed[name].status == "accepted")  # a rival is no other find
     return Support(rests, NONE, tuple(_told(*row) for row in rows), tuple(_stances(names, ways, rests)), by_chance)
 
 
