@@ -190,7 +190,7 @@ def delta_of(
             exclusive=exclusive,
             space=space_of_view(posed, overlaps, data.camera, kb, models or {}) if related else Space(),
             gravity=gravity,
-            support=None if held else support_of_view(posed, Setting(models or {}, data.camera, kb)),
+            support=None if held else support_of_view(posed, Setting(models or {}, data.camera, kb), cycle.supported),
             relations=relations_of(posed, together, data.camera),
             part_relations=part_relations_of(posed, together, data.camera),
             priors={t.name: kb.rates.prior.get(t.name, 0.5) for t in kb.types},

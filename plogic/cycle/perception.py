@@ -320,7 +320,8 @@ def _outcome(task: Task, state: State, unheld: Sequence[Hypothesis], attention: 
     if late:
         state = state.tells(Step("deadline", "the deadline was reached: the search is unfinished"))
     rest, trace = (*rivals, *more), Trace(list(state.steps))
-    return Cycle(state.accepted, rest, state.rejected, tuple(attention), trace, unfinished=late)
+    known = tuple(attention)
+    return Cycle(state.accepted, rest, state.rejected, known, trace, unfinished=late, supported=state.supported)
 
 
 def _given(task: Task, state: State, said: list[str]) -> Given:

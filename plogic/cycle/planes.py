@@ -8,7 +8,7 @@ how likely it is that one of it is there, and stands or is free, tells a plane f
 * ``Believed``: one plane, ``Believed(known, log_prior, factors)``; ``Supported``: all of an image
 """
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from typing import NamedTuple, Protocol
 
 import numpy as np
@@ -84,12 +84,23 @@ class Believed(NamedTuple):
 class Supported(NamedTuple):
     """The planes of an image, best first, and the ``probability`` (P + 2,) of each, of another one, and of none.
 
-    ``worth`` (B,): what standing there, or not, adds to the log-odds of each body, given all others.
+    ``worth`` (B,): what standing there, or not, adds to the log-odds of each body, given all others. Logarithms:
+    ``prior`` (P + 2,), and ``told`` (P + 2, K), what each kind of bodies, of ``types`` (K), tells of each.
     """
 
     planes: tuple[Believed, ...]
     probability: Floats
     worth: Floats
+    prior: Floats
+    told: Floats
+    types: tuple[str, ...]
+
+    def without(self, types: Collection[str]) -> Floats:
+        """(P + 2,) the probability of each by all that is not of these types."""
+        others = [k for k, name in enumerate(self.types) if name not in types]
+        logs = self.prior + self.told[:, others].sum(axis=1)
+        weight = np.exp(logs - logs.max())
+        return np.asarray(weight / weight.sum())
 
 
 class Setting(NamedTuple):
@@ -158,7 +169,8 @@ def supported(bodies: Bodies, rests: float) -> Supported:
     number = len(bodies.kind)
     planes = _abduced(bodies, rests) if number else []
     if not planes:
-        return Supported((), np.array([1.0 - NONE, NONE]), np.zeros(number))
+        nothing = np.array([1.0 - NONE, NONE])
+        return Supported((), nothing, np.zeros(number), np.log(nothing), np.zeros((2, 0)), ())
     shares = np.array([plane.log_prior for plane in planes])
     elsewhere = np.log(max(1.0 - NONE - float(np.exp(shares).sum()), 1e-12))
     prior = np.array([*shares, elsewhere, np.log(NONE)])
@@ -170,7 +182,9 @@ def supported(bodies: Bodies, rests: float) -> Supported:
     without = logs[:, None] - np.log(of_kind)[:, bodies.kind]  # (P + 2, B) by all other types
     present = logsumexp(without + np.log(factors), axis=0) - logsumexp(without, axis=0)
     absent = np.log(1.0 - bodies.chance + bodies.chance * np.exp(present))
-    return Supported(tuple(planes), probability, present - absent)
+    first = np.unique(bodies.kind, return_index=True)[1]
+    types = tuple(bodies.names[body] for body in first)
+    return Supported(tuple(planes), probability, present - absent, prior, np.log(of_kind), types)
 
 
 def _abduced(bodies: Bodies, rests: float) -> list[Believed]:

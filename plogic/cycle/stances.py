@@ -14,7 +14,7 @@ from geometry.arrays import Floats
 from geometry.bodies.resting import Plane, along_plane
 from geometry.bodies.standing import Known, Stands, log_ratios
 from geometry.frames import transform_points
-from plogic.cycle.planes import MOST, NONE, STACKED, Believed, Bodies, Setting, bodies_of, supported
+from plogic.cycle.planes import MOST, STACKED, Bodies, Setting, Supported, bodies_of, supported
 from plogic.facts.hypothesis import Hypothesis
 from plogic.facts.stances import Row, Stance, Support, SupportPlane
 
@@ -38,24 +38,31 @@ class _Way(NamedTuple):
     log_ratio: float
 
 
-def support_of_view(posed: Mapping[str, Hypothesis], setting: Setting) -> Support | None:
-    """Of Δh, by id; None where nobody said that things rest, or how types may stand."""
+def support_of_view(
+    posed: Mapping[str, Hypothesis], setting: Setting, abduced: Supported | None = None
+) -> Support | None:
+    """Of Δh, by id; None where nobody said that things rest, or how types may stand.
+
+    ``abduced``: what all proposals told of planes, where that is known: what those tell that are not in Δh is the
+    planes' prior.
+    """
     rests = setting.kb.rests
     if rests is None or not setting.models:
         return None
     names = sorted(posed, key=lambda name: posed[name].status != "accepted")
     accepted = [posed[name] for name in names if posed[name].status == "accepted"]
     bodies = bodies_of(accepted, [posed[name] for name in names[len(accepted) :]], setting)
-    found = supported(bodies, rests)
-    some = zip(found.planes, found.probability, strict=False)
-    planes = [plane for plane, probability in some if probability > HARDLY][:MOST]
-    rows = [(f"s{k}", plane) for k, plane in enumerate(planes, 1)]
-    ways = [way for name, plane in rows for way in _on_plane(name, bodies.stands, plane.known.plane)]
+    found = supported(bodies, rests) if abduced is None else abduced
+    prior = found.without({some.type for some in posed.values()})
+    some = [k for k in range(len(found.planes)) if found.probability[k] > HARDLY][:MOST]
+    planes = {f"s{n}": found.planes[k].known for n, k in enumerate(some, 1)}
+    ways = [way for name, known in planes.items() for way in _on_plane(name, bodies.stands, known.plane)]
     if planes:
-        ways += _on_others(names, posed, bodies, planes[0].known.plane)
+        ways += _on_others(names, posed, bodies, planes["s1"].plane)
     mine = zip(names, bodies.chance.tolist(), strict=False)
     by_chance = tuple((name, e) for name, e in mine if posed[name].status == "accepted")  # a rival is no other find
-    return Support(rests, NONE, tuple(_told(*row) for row in rows), tuple(_stances(names, ways, rests)), by_chance)
+    told = tuple(_told(name, known, float(prior[k])) for k, (name, known) in zip(some, planes.items(), strict=True))
+    return Support(rests, float(prior[-1]), told, tuple(_stances(names, ways, rests)), by_chance)
 
 
 def _stances(names: list[str], ways: list[_Way], rests: float) -> Iterator[Stance]:
@@ -95,13 +102,10 @@ def _on_others(names: list[str], posed: Mapping[str, Hypothesis], bodies: Bodies
             yield from _on_plane(name, Stands(*(part[over] for part in bodies.stands)), raised)
 
 
-def _told(name: str, plane: Believed) -> SupportPlane:
+def _told(name: str, known: Known, prior: float) -> SupportPlane:
     """The plane as the program is told: its tilts are those about ``level_axes``."""
-    up, covariance = plane.known.plane.up, _about_level_axes(plane.known)
-    rows = tuple(_row(row) for row in covariance)
-    return SupportPlane(
-        name, _row(up), -plane.known.plane.offset, (rows[0], rows[1], rows[2]), float(np.exp(plane.log_prior))
-    )
+    rows = tuple(_row(row) for row in _about_level_axes(known))
+    return SupportPlane(name, _row(known.plane.up), -known.plane.offset, (rows[0], rows[1], rows[2]), prior)
 
 
 def _about_level_axes(known: Known) -> Floats:

@@ -201,7 +201,7 @@ class Cycle:
 
     ``rejected`` what was tried and dropped.
 
-    ``unfinished``: whether a deadline stopped it.
+    ``unfinished``: whether a deadline stopped it; ``supported``: the planes that its proposals told of.
     """
 
     accepted: tuple[Hypothesis, ...]
@@ -210,6 +210,7 @@ class Cycle:
     attention: tuple[Attention, ...]
     trace: Trace
     unfinished: bool = False
+    supported: Supported | None = None
 
 
 def free(task: Task, accepted: Iterable[Hypothesis]) -> Mask:

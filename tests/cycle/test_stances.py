@@ -10,7 +10,7 @@ from synthetic import CAMERA
 from geometry.bodies.resting import resting_faces
 from geometry.frames import from_rotation_translation, look_at, turn_about
 from kb.surfaces.surface import Surface
-from plogic.cycle.planes import BY_CHANCE, STACKED, Setting
+from plogic.cycle.planes import BY_CHANCE, STACKED, Setting, bodies_of, supported
 from plogic.cycle.stances import support_of_view
 from plogic.facts.hypothesis import Hypothesis
 
@@ -74,6 +74,23 @@ def test_what_was_looked_for_on_a_plane_stands_there_whether_it_is_there_or_not_
     posed = {**STANDING, "h2": STANDING["h2"].told(put=True), "h4": box(0.1, -0.2, status="rival")}
     told = support_of_view(posed, SETTING).by_chance
     assert dict(told) == {"h1": BY_CHANCE, "h2": 1.0, "h3": BY_CHANCE}
+
+
+def test_what_others_tell_that_are_not_in_delta_is_the_prior_of_the_planes():
+    """With all of them in Δh the planes' posterior is that of all proposals, whoever of them the prior speaks for."""
+    kinds = [SimpleNamespace(surface=SURFACE, name=f"box{k}", opaque=True) for k in range(3)]
+    three = [replace_type(posed, kind) for posed, kind in zip(STANDING.values(), kinds, strict=True)]
+    setting = SETTING._replace(models={kind.name: SETTING.models["box"] for kind in kinds})
+    every = supported(bodies_of([], three, setting), 0.9)
+    alone = support_of_view({"h1": three[0].told(status="rival")}, setting, every)
+    both = support_of_view({"h1": three[0].told(status="rival"), "h2": three[1].told(status="rival")}, setting, every)
+    assert alone.planes[0].normal == both.planes[0].normal
+    assert alone.planes[0].prior > 0.9 > both.planes[0].prior
+    assert support_of_view({}, setting, every).planes[0].prior == pytest.approx(every.probability[0])
+
+
+def replace_type(posed, kind):
+    return posed.told(type=kind.name, known_type=kind)
 
 
 def test_where_nobody_said_that_things_rest_nothing_is_told():
