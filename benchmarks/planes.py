@@ -84,8 +84,7 @@ def looked(perceiver: Perceiver, shown: Shown, numbers: dict[str, int]) -> Looke
     found = plane_of(bodies_of(cycle.accepted, [], setting), rests) if cycle.accepted else None
     error = None
     if found is not None:
-        turned = float(np.arccos(np.clip(found.up @ plane.up, -1.0, 1.0)))
-        error = turned, abs(found.offset / plane.offset - 1.0)
+        error = found.turned(plane), abs(found.offset / plane.offset - 1.0)
     return Looked(off_plane(bodies, plane, rests), told[False], told[True], error)
 
 

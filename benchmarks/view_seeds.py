@@ -4,12 +4,15 @@
 number or by name. For each posed object of which a tenth is visible its type is looked for by its views
 (``sensing.views``), whatever print it has; the first pose counts that is within 25°, up to symmetry, 15 % of the depth,
 and 15 % of its size in the picture of its place. Prints how many objects have it among the first 1, 10 and 50, and the
-seconds of processor of a type, with the constants in use and with one of them changed at a time.
+seconds of processor of a type, with the constants in use and with one of them changed at a time; and the same of the
+search on the plane that the true poses of a photo speak for (``sensing.views.standing``).
 """
 
 import argparse
 from collections.abc import Iterator
 from contextlib import ExitStack, contextmanager
+from dataclasses import replace
+from functools import partial
 from pathlib import Path
 from statistics import median
 from time import process_time
@@ -17,6 +20,7 @@ from time import process_time
 import numpy as np
 
 from benchmarks.photos.answers import Shown, photos_of
+from benchmarks.photos.planes import true_plane
 from benchmarks.photos.score import Posed
 from benchmarks.pixel_odds import paints_of
 from geometry.arrays import Floats
@@ -33,6 +37,7 @@ from sensing.views import search
 from sensing.views.kept import kept_views
 from sensing.views.maps import PhotoMaps
 from sensing.views.search import Body, searched, share_maps
+from sensing.views.standing import stood
 
 ANGLE, SHARE = np.radians(25.0), 0.15
 FIRST = 1, 10, 50
@@ -79,7 +84,8 @@ def main(kb_folder: str, dataset: Path) -> None:
     assert opened.models is not None  # noqa: S101 - it is a whole dataset
     numbers = model_names(opened.models) | ids_of([kind.name for kind in kb.types], {})
     kinds = {numbers[kind.name]: kind for kind in kb.types}
-    paints = {numbers[name]: paint for name, paint in paints_of(Perceiver(kb)).items()}
+    perceiver = Perceiver(replace(kb, maybe=True))
+    paints = {numbers[name]: paint for name, paint in paints_of(perceiver).items()}
     start = process_time()
     bodies = {
         n: Body(kept_views(paint, VIEWS, cache_folder("views")), paint.middle, paint.diameter)
@@ -87,24 +93,39 @@ def main(kb_folder: str, dataset: Path) -> None:
     }
     print(f"views {(process_time() - start) / len(bodies):.2f} s a type, less where they are kept")  # noqa: T201
 
-    def looked(shown: Shown) -> list[tuple[int, float]]:
+    names = {number: kind.name for number, kind in kinds.items()}
+
+    def looked(shown: Shown, *, on_plane: bool = False) -> list[tuple[int, float]]:
         maps = PhotoMaps(shown.image)
         share_maps(maps)
+        plane = true_plane(shown, names, perceiver.models, perceiver.kb) if on_plane else None
         rows = []
-        for truth in (truth for truth in shown.truths if truth.obj_id in bodies):
+        for truth in (
+            truth for truth in shown.truths if truth.obj_id in bodies and (plane is not None or not on_plane)
+        ):
             body, began = bodies[truth.obj_id], process_time()
-            poses, _ = searched(maps, shown.camera, body, FIRST[-1])
+            if plane is None:
+                poses, _ = searched(maps, shown.camera, body, FIRST[-1])
+            else:
+                faces = perceiver.models[names[truth.obj_id]].resting
+                poses, _ = stood(maps, shown.camera, body, plane, faces, FIRST[-1])
             spent = process_time() - began
             rows.append((rank(poses, truth, kinds[truth.obj_id], body, shown.camera.f), spent))
         return rows
 
     shown_all = list(photos_of(opened))
+    on_planes = [row for some in each(partial(looked, on_plane=True), shown_all, processors()) for row in some]
+    tell("on the true plane", on_planes)
     for changed in OTHERWISE:
         with constants(changed):
             rows = [row for some in each(looked, shown_all, processors()) for row in some]
-        among = ", ".join(f"{sum(r < n for r, _ in rows)} among {n}" for n in FIRST)
-        said = ", ".join(f"{name} = {value}" for name, value in changed.items()) or "as in use"
-        print(f"{said}: of {len(rows)} {among}; {median(s for _, s in rows):.2f} s a type", flush=True)  # noqa: T201
+        tell(", ".join(f"{name} = {value}" for name, value in changed.items()) or "as in use", rows)
+
+
+def tell(said: str, rows: list[tuple[int, float]]) -> None:
+    """Print how far down the right ones are, and the seconds."""
+    among = ", ".join(f"{sum(r < n for r, _ in rows)} among {n}" for n in FIRST)
+    print(f"{said}: of {len(rows)} {among}; {median(s for _, s in rows):.2f} s a type", flush=True)  # noqa: T201
 
 
 if __name__ == "__main__":

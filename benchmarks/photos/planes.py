@@ -1,6 +1,6 @@
 """What support is worth on real photos: the plane found against that of the true poses, and what is found without it.
 
-* ``Plane beside``: ``true_plane(shown, ...)`` of a photo's true poses; ``off(plane, true)`` how far another is
+* ``Side``: answers with support, or without; ``true_plane``: the plane of a photo's true poses
 * ``of_support``: the rows and claims of a dataset, perceived with support and without
 """
 
@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
+from benchmarks.photos.score import depth_error
 from benchmarks.shared.claims import Claim
 from plogic.cycle.planes import Setting, bodies_of, supported
 from plogic.facts.hypothesis import Hypothesis
@@ -47,17 +48,13 @@ class Side(NamedTuple):
         return {(name, told.obj_id) for name, told in rows if told.found}
 
     def depths(self) -> dict[tuple[str, int], float]:
-        """By how much, a share of the distance, each found one is too near or too far."""
+        """By how much the depth of each found one is off, metres."""
         errors = {}
         for a in self.answers:
             for truth, told in zip(a.shown.truths, self.measure.counted(a.shown, a.ours)[1], strict=True):
                 if told.found and told.answer is not None:
-                    middle = self.measure.models[truth.obj_id].points.mean(axis=0)
-                    here, there = (
-                        pose.camera_from_object[2, :3] @ middle + pose.camera_from_object[2, 3]
-                        for pose in (told.answer, truth)
-                    )
-                    errors[a.shown.name, truth.obj_id] = abs(float(here / there) - 1.0)
+                    model = self.measure.models[truth.obj_id]
+                    errors[a.shown.name, truth.obj_id] = depth_error(told.answer, truth, model)
         return errors
 
 
@@ -83,8 +80,7 @@ def true_plane(
 
 def off(plane: Plane, true: Plane) -> tuple[float, float]:
     """Degrees between two planes, and millimetres between their distances from the camera."""
-    turned = float(np.degrees(np.arccos(np.clip(plane.up @ true.up, -1.0, 1.0))))
-    return turned, 1000.0 * (plane.offset - true.offset)
+    return float(np.degrees(plane.turned(true))), 1000.0 * (plane.offset - true.offset)
 
 
 def of_support(

@@ -86,6 +86,13 @@ def error_of(answer: Posed, truth: Posed, model: Model) -> float:
     return float(np.ravel(measure(one, other, points))[0]) / model.diameter
 
 
+def depth_error(answer: Posed, truth: Posed, model: Model) -> float:
+    """By how much the depth of the model's middle is off, metres."""
+    middle = model.points.mean(axis=0)
+    one, other = (pose.camera_from_object[2, :3] @ middle + pose.camera_from_object[2, 3] for pose in (answer, truth))
+    return float(abs(one - other))
+
+
 def overlap_of(
     answer: Posed, truth: Posed, surface: RayMesh, camera: Camera, other_surface: RayMesh | None = None
 ) -> float:

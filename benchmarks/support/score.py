@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
+from benchmarks.photos.score import depth_error
 from benchmarks.photos.told import STANDS, Forecast
 from benchmarks.support.said import said_of
 
@@ -23,7 +24,6 @@ if TYPE_CHECKING:
     from geometry.arrays import Floats
     from geometry.bodies.resting import Plane
     from plogic.facts.document import Interpretation
-    from plogic.run.bop.models import Model
 
 TURNED, OFF = np.radians(3.0), 0.02
 """Radians, and share of the distance to where things stand, by which a plane may differ that is right."""
@@ -95,17 +95,9 @@ def judged(
     return Judged(tilt, counts, tuple(things), right, claimed, 0.0)
 
 
-def depth_error(answer: Posed, truth: Posed, model: Model) -> float:
-    """By how much the depth of the model's middle is off, metres."""
-    middle = model.points.mean(axis=0)
-    one, other = (pose.camera_from_object[2, :3] @ middle + pose.camera_from_object[2, 3] for pose in (answer, truth))
-    return float(abs(one - other))
-
-
 def same_plane(plane: Plane, true: Plane, at: Floats) -> bool:
     """Whether a plane is right where things stand, ``at`` (3,) on the true one, camera frame."""
-    turned = np.arccos(np.clip(plane.up @ true.up, -1.0, 1.0))
-    return bool(turned <= TURNED and abs(plane.height(at)) <= OFF * np.linalg.norm(at))
+    return bool(plane.turned(true) <= TURNED and abs(plane.height(at)) <= OFF * np.linalg.norm(at))
 
 
 def feet(stood: Stood) -> Floats:

@@ -50,6 +50,10 @@ class Plane:
         """(...,) metres of ``places`` (..., 3) above the plane."""
         return np.asarray(places @ self.up + self.offset)
 
+    def turned(self, other: "Plane") -> float:
+        """Radians between the normals of two planes."""
+        return float(np.arccos(np.clip(self.up @ other.up, -1.0, 1.0)))
+
     @property
     def moves(self) -> Floats:
         """(6, 3) the steps (w, v) of ``geometry.poses.refine`` that leave resting what rests.

@@ -33,7 +33,7 @@ ALIKE_UP, ALIKE_HEIGHT = 0.1, 0.05
 
 def alike(one: Plane, other: Plane) -> bool:
     """Whether two planes, both below the camera, are nearly the same."""
-    return bool(one.up @ other.up > np.cos(ALIKE_UP) and abs(np.log(one.offset / other.offset)) < ALIKE_HEIGHT)
+    return bool(one.turned(other) < ALIKE_UP and abs(np.log(one.offset / other.offset)) < ALIKE_HEIGHT)
 
 
 class Stands(NamedTuple):

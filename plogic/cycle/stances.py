@@ -1,7 +1,7 @@
 """What the hypotheses of Δh stand on, and how, as the program is told (formalism §9.9).
 
-The planes are those that Δh speaks for (``plogic.cycle.planes``). A hypothesis may stand on a plane, on one of its
-faces; or on another hypothesis, whose top is under its foot, with a face that lies as level as the likeliest plane.
+The planes are those that all proposals spoke for (``plogic.cycle.planes``). A hypothesis may stand on a plane, on one
+of its faces; or on another hypothesis, whose top is under its foot, with a face as level as the likeliest plane.
 """
 
 from collections.abc import Iterator, Mapping
@@ -14,6 +14,7 @@ from geometry.arrays import Floats
 from geometry.bodies.resting import Plane, along_plane
 from geometry.bodies.standing import Known, Stands, log_ratios
 from geometry.frames import transform_points
+from plogic.base.walk import by_key
 from plogic.cycle.planes import MOST, STACKED, Bodies, Setting, Supported, bodies_of, supported
 from plogic.facts.hypothesis import Hypothesis
 from plogic.facts.stances import Row, Stance, Support, SupportPlane
@@ -26,6 +27,10 @@ TOP = 0.1
 """Share of a body's height that is its top."""
 SLACK = 0.01
 """Metres by which a foot may be beside a top."""
+
+
+LEVEL = 1e-6
+"""Length of what is left of the camera's x along a plane, below which it is at right angles to it."""
 
 
 class _Way(NamedTuple):
@@ -67,9 +72,9 @@ def support_of_view(
 
 def _stances(names: list[str], ways: list[_Way], rests: float) -> Iterator[Stance]:
     """The ways, of which those on others share ``STACKED`` among them, and those on a plane have the rest."""
-    stacked = {way.body: {other.on for other in ways if other.body == way.body and other.on in names} for way in ways}
+    stacked = by_key((way.body, way.on) for way in ways if way.on in names)
     for way in ways:
-        others = len(stacked[way.body])
+        others = len(set(stacked.get(way.body, ())))
         share = STACKED / others if way.on in names else 1.0 - STACKED * bool(others)
         chance = rests * share * way.chance
         if chance * np.exp(way.log_ratio) > WORTHLESS:
@@ -103,7 +108,7 @@ def _on_others(names: list[str], posed: Mapping[str, Hypothesis], bodies: Bodies
 
 
 def _told(name: str, known: Known, prior: float) -> SupportPlane:
-    """The plane as the program is told: its tilts are those about ``level_axes``."""
+    """The plane as the program is told: its tilts are those about level axes."""
     rows = tuple(_row(row) for row in _about_level_axes(known))
     return SupportPlane(name, _row(known.plane.up), -known.plane.offset, (rows[0], rows[1], rows[2]), prior)
 
@@ -119,9 +124,6 @@ def _about_level_axes(known: Known) -> Floats:
     to[:2, :2] = np.stack([-second, first]) @ along_plane(up)
     to[2, 2] = -1.0
     return np.asarray(to @ known.covariance @ to.T)
-
-
-LEVEL = 1e-6
 
 
 def _row(values: Floats) -> Row:

@@ -20,7 +20,7 @@ import numpy as np
 from geometry.arrays import Mask
 from kb.clouds.cloud import KnowledgeBase
 from plogic.base.clock import Deadline
-from plogic.cycle.planes import Supported
+from plogic.cycle.planes import Setting, Supported
 from plogic.facts.document import StepRow
 from plogic.facts.hypothesis import Hypothesis
 from plogic.match.gamma.data import Data
@@ -120,6 +120,11 @@ class Task:
     def searches(self) -> list[tuple[Mapping[str, object], Search]]:
         """By kind of type models: its types, and the search for them in this Γ."""
         return [(kind.models, kind.search(self.request)) for kind in self.models.kinds.values()]
+
+    @property
+    def setting(self) -> Setting:
+        """What its poses are judged by."""
+        return Setting(self.models, self.data.camera, self.kb)
 
     @property
     def reach(self) -> tuple[float, float]:

@@ -5,7 +5,7 @@ are. On each that is likely every type of which none is accepted is looked for, 
 poses; what leans, hangs or lies on something else is found as before, by the search that knows of no plane.
 
 * ``leaning(task, state)``: the state with its planes and stances; ``standing(...)``: what is found on them
-* ``support_of(accepted, models)``: the plane that accepted objects stand on, where two or more do
+* ``support_of(accepted, setting)``: the plane that accepted objects stand on, where two or more do
 """
 
 from collections.abc import Sequence
@@ -19,7 +19,7 @@ from geometry.arrays import Floats
 from geometry.bodies.resting import Plane
 from geometry.bodies.standing import joined
 from kb.clouds.cloud import UNKNOWN_SUPPORT
-from plogic.cycle.judging import judge
+from plogic.cycle.judging import judge, surplus_beside
 from plogic.cycle.planes import STANDS, Bodies, Setting, Standing, bodies_of, roughly, standing_on, supported
 from plogic.cycle.state import Proposal, State, Step, Task
 from plogic.facts.hypothesis import Hypothesis
@@ -69,18 +69,13 @@ def _agreed(bodies: Bodies, rests: float) -> Support | None:
     return Support(plane, tuple(map(int, by))) if len(by) >= FEWEST else None
 
 
-def setting_of(task: Task) -> Setting:
-    """What its poses are judged by."""
-    return Setting(task.models, task.data.camera, task.kb)
-
-
 def leaning(task: Task, state: State) -> State:
     """The state with its planes, and all that is accepted or proposed told what its stance is worth."""
     rests = task.kb.rests
     proposed = [proposal.hypothesis for proposal in state.proposals]
     if rests is None or not (proposed or state.accepted):
         return state
-    found = supported(bodies_of(state.accepted, proposed, setting_of(task)), rests)
+    found = supported(bodies_of(state.accepted, proposed, task.setting), rests)
     told = [_leans(h, float(worth)) for h, worth in zip((*state.accepted, *proposed), found.worth, strict=True)]
     for models, search in task.searches:
         best: dict[str, float] = {}
@@ -127,7 +122,7 @@ def settled_down(task: Task, state: State) -> State:
     """
     if task.kb.rests is None or len(state.accepted) < FEWEST:
         return state
-    bodies = bodies_of(state.accepted, [], setting_of(task))
+    bodies = bodies_of(state.accepted, [], task.setting)
     found = supported(bodies, task.kb.rests)
     if not found.planes or found.probability[0] < STANDS:
         return state
@@ -140,7 +135,7 @@ def settled_down(task: Task, state: State) -> State:
             continue
         moved = judge(task, others, moved, 0).told(status=one.status, why=one.why)
         some = [moved if other is one else other for other in some]
-        if moved.surplus <= task.demanded(moved):
+        if surplus_beside(moved, others) <= task.demanded(moved):
             some = [other for other in some if other is not moved]
             lost.append(moved.told(status="rejected", why="its pixels do not hold where it touches what it stands on"))
     steps = (Step("release", posed.why, posed.type) for posed in lost)

@@ -191,7 +191,7 @@ def stood(
     contact = Contact(*known, index.resting)
     pose = settled(crop, index.paint, posed.camera_from_object, exact(trust), contact)
     pixels = fit_of(crop, index.paint, pose, whole=True).odds
-    return index.settle(pose, data, kb, rounds=0).told(**posed.verdict(), pixels=pixels, stance=posed.stance)
+    return index.settle(pose, data, kb, rounds=0).told(**posed.verdict(), **posed.beyond()).told(pixels=pixels)
 
 
 def pictured(index: LearnedIndex, posed: Hypothesis, others: Mapping[str, Hypothesis], data: Data) -> Hypothesis:
