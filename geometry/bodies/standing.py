@@ -137,7 +137,8 @@ def fitted(stands: Stands, share: Floats, plane: Plane) -> Known:
 
 TILTED, LEVEL = 0.1, 0.01
 """Standard deviations by which true bodies are off the planes that they stand on: rad, for meshes are not exact, and a
-share of the distance (``lmo``: 0.1 and 0.009, ``ycb``: 0.05 and 0.003; ``python benchmarks/planes.py``)."""
+share of the distance: a little more than ``lmo`` has, 0.075 and 0.009, and ``ycb``, 0.037 and 0.003
+(``python benchmarks/planes.py KB DATASET``)."""
 TIPPED = 0.6
 """Radians beyond which a face is not what a body stands on."""
 
