@@ -211,8 +211,9 @@ def _posterior(view: View) -> Iterator[str]:
     share = next(p for shares in group_shares(view.scene).values() for name, p in shares if name == view.h.id)
     total = float(np.sum([c.llr for c in told]))
     found = [c for c in told if c.datum not in (view.h.id, STANDS)]  # these two have lines of their own
-    own = {view.h.id: ", and the photo's pixels,", STANDS: ", and where it stands,"}
-    what = "what is detected and what is not" + "".join(own[c.datum] for c in told if c.datum in own)
+    own = {view.h.id: "the photo's pixels", STANDS: "where it stands"}
+    besides = [own[c.datum] for c in told if c.datum in own]
+    what = "what is detected and what is not" + (f", and {' and '.join(besides)}," if besides else "")
     yield f"  prior {share:.4g}; {what} changes its log-odds against this world without it by {total:+.4g}"
     for mark, side in (("for", [c for c in found if c.llr > 0]), ("against", [c for c in found if c.llr < 0])):
         yield from (f"  {mark}: {_datum(view, c)}: {c.llr:+.3g}" for c in side[:LISTED])
