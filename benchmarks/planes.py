@@ -1,13 +1,17 @@
 """How exactly things stand on planes, how often what is not there stands there too, and how well planes are found.
 
 ``python benchmarks/planes.py KB DATASET``: the types of KB are those of DATASET, real photos in BOP's layout, by number
-or by name. The true plane of a photo is the one that the true poses speak for (``plogic.cycle.planes``). Prints by how
-much true poses that stand on it are off it (``geometry.bodies.standing.TILTED``, ``LEVEL``); how many of the proposals
-of a free search that are wrong stand on it all the same (``plogic.cycle.planes.BY_CHANCE``), and how many of the
-others; and how far the plane is on which what was accepted stands.
+or by name; ``--scenes N``: of its models so many rendered scenes, those of ``plogic bench support`` but for their
+seeds, instead of its photos. The true plane of a photo is the one that the true poses speak for
+(``plogic.cycle.planes``). Prints by how much true poses that stand on it are off it
+(``geometry.bodies.standing.TILTED``, ``LEVEL``); how many of the proposals of a free search that are wrong stand on it
+all the same (``plogic.cycle.planes.BY_CHANCE``), and how many of the others; and how far the plane is on which what was
+accepted stands. Every plain type is looked for on the true plane as well: printed is what the pixels of the best of
+each tell, and what has to be added to that so that it is the logarithm of a likelihood ratio: next to nothing.
 """
 
 import argparse
+from collections.abc import Iterator
 from dataclasses import replace
 from pathlib import Path
 from typing import NamedTuple
@@ -17,30 +21,45 @@ import numpy as np
 from benchmarks.photos.answers import Shown, photos_of
 from benchmarks.photos.planes import true_bodies, true_plane
 from benchmarks.photos.score import OUTLINED, Posed, overlap_of
+from benchmarks.photos.table import measure_of
+from benchmarks.support.bench import groups_of, solids_of
+from benchmarks.support.scenes import pictures_of
 from geometry.arrays import Floats
 from geometry.bodies.resting import Plane
-from geometry.bodies.standing import log_ratios, off
+from geometry.bodies.standing import Known, log_ratios, off
+from kb.clouds.cloud import KnowledgeBase
 from plogic.base.clock import Stopwatch
 from plogic.cycle.delta import Options
 from plogic.cycle.planes import Bodies, Setting, bodies_of, standing_on, supported
 from plogic.facts.hypothesis import Hypothesis
+from plogic.match.gamma.data import data_of
+from plogic.match.learned.learned_models import LearnedIndex
+from plogic.match.learned.learned_poses import resting
+from plogic.match.learned.learned_views import maps_for, seen_on
 from plogic.run.bop.dataset import open_dataset
 from plogic.run.bop.models import ids_of, model_names
 from plogic.run.perceive import Perceiver
 from plogic.run.sources import detected, kb_of
+from sensing.detectors.detector import detect
+from sensing.pixels.photo import Photo
+
+DEVELOPED = 60_000
+"""First seed of rendered scenes: those of the benchmark are from 40000 on."""
 
 
 class Looked(NamedTuple):
     """Of one photo: what true poses are off their plane, rows of tilt (rad) and share of the distance.
 
     ``wrong``, ``right``: of free proposals, whether each stands on the true plane; ``error``: of the plane found, rad
-    and a share of its height, None where there is none.
+    and a share of its height, None where there is none. ``narrow``: what pixels tell of the best of each plain type
+    that was looked for on the true plane, and whether it is found.
     """
 
     truths: Floats
     wrong: list[bool]
     right: list[bool]
     error: tuple[float, float] | None
+    narrow: list[tuple[float, bool]]
 
 
 def plane_of(bodies: Bodies, rests: float) -> Plane | None:
@@ -85,7 +104,38 @@ def looked(perceiver: Perceiver, shown: Shown, numbers: dict[str, int]) -> Looke
     error = None
     if found is not None:
         error = found.turned(plane), abs(found.offset / plane.offset - 1.0)
-    return Looked(off_plane(bodies, plane, rests), told[False], told[True], error)
+    on_it = supported(bodies, rests).planes[0].known
+    narrow = [
+        (best.pixels or 0.0, any(_found(best, truth, perceiver, shown) for name, truth in known if name == best.type))
+        for best in looked_for(perceiver, shown, on_it)
+        if best.type not in neither
+    ]
+    return Looked(off_plane(bodies, plane, rests), told[False], told[True], error, narrow)
+
+
+def looked_for(perceiver: Perceiver, shown: Shown, known: Known) -> Iterator[Hypothesis]:
+    """The best pose of each plain type on a plane by its pixels."""
+    kb, nobody = perceiver.kb, np.zeros((0, 4))
+    gamma = detect(shown.image, shown.camera, kb.sought, kb.words).in_order()
+    data = data_of(gamma.appearances, shown.camera, perceiver.width, Photo(shown.image, shown.camera))
+    indices = [some for some in perceiver.models.values() if isinstance(some, LearnedIndex) and some.plain]
+    maps = maps_for(indices, data, 1)
+    for index in indices:
+        found = resting(index, known, data, kb, nobody, seen=seen_on(index, maps, data, known.plane))
+        some = [(h.pixels, h) for _, h in found if h.pixels is not None]
+        if some:
+            yield max(some, key=lambda row: row[0])[1]
+
+
+def narrow_of(rows: list[tuple[float, bool]]) -> float:
+    """What is to be added to what pixels tell: the least log loss, beside the share that is found."""
+    from scipy.optimize import minimize_scalar
+
+    told, there = np.array([value for value, _ in rows]), np.array([found for _, found in rows])
+    prior = np.log(there.sum() / (~there).sum())
+    return float(
+        minimize_scalar(lambda more: np.logaddexp(0.0, np.where(there, -1.0, 1.0) * (told + prior + more)).sum()).x
+    )
 
 
 def _found(posed: Hypothesis, truth: Posed, perceiver: Perceiver, shown: Shown) -> bool:
@@ -94,12 +144,20 @@ def _found(posed: Hypothesis, truth: Posed, perceiver: Perceiver, shown: Shown) 
     return surface is not None and overlap_of(answer, truth, surface.rays, shown.camera) >= OUTLINED
 
 
-def main(kb_folder: str, dataset: Path) -> None:
+def scenes_of(kb: KnowledgeBase, numbers: dict[str, int], dataset: Path, count: int) -> Iterator[Shown]:
+    """So many rendered scenes with the models of a dataset."""
+    measure = measure_of(kb, numbers, dataset / "models")
+    solids = solids_of(kb, groups_of(dataset.name, measure), measure.names)
+    return (stood.shown for stood in pictures_of(solids, range(DEVELOPED, DEVELOPED + count)))
+
+
+def main(kb_folder: str, dataset: Path, scenes: int | None) -> None:
     """Print it all."""
     perceiver = Perceiver(replace(kb_of(kb_folder), maybe=True))
     known = model_names(dataset / "models") | ids_of([kind.name for kind in perceiver.kb.types], {})
     numbers = {name: known[name] for name in perceiver.models if name in known}
-    rows = [one for shown in photos_of(open_dataset(dataset)) if (one := looked(perceiver, shown, numbers)) is not None]
+    photos = scenes_of(perceiver.kb, numbers, dataset, scenes) if scenes else photos_of(open_dataset(dataset))
+    rows = [one for shown in photos if (one := looked(perceiver, shown, numbers)) is not None]
     truths = np.concatenate([one.truths for one in rows])
     tilt, level = np.sqrt(np.mean(truths[:, 0] ** 2) / 2.0), np.sqrt(np.mean(truths[:, 1] ** 2))
     print(f"{len(truths)} true poses: off their plane by {tilt:.3f} rad about each axis, {level:.4f} of the distance")  # noqa: T201 - a script
@@ -108,6 +166,12 @@ def main(kb_folder: str, dataset: Path) -> None:
         ("found", [s for one in rows for s in one.right]),
     ):
         print(f"free proposals that are {name}: {sum(told)} of {len(told)} stand on the true plane")  # noqa: T201
+    narrow = [row for one in rows for row in one.narrow]
+    for name, wanted in (("wrong", False), ("found", True)):
+        some = [told for told, found in narrow if found is wanted]
+        by_tenths = " ".join(f"{value:.1f}" for value in np.quantile(some, (0.1, 0.25, 0.5, 0.75, 0.9)))
+        print(f"looked for on the true plane and {name}: {len(some)}, pixels tell {by_tenths} (tenth to nine tenths)")  # noqa: T201
+    print(f"to add to what pixels tell there: {narrow_of(narrow):.2f}")  # noqa: T201
     for one in rows:
         said = (
             "none" if one.error is None else f"{np.degrees(one.error[0]):.1f} degrees, {one.error[1]:.3f} of its height"
@@ -119,5 +183,6 @@ if __name__ == "__main__":
     parser = argparse.ArgumentParser(description=(__doc__ or "").partition("\n")[0])
     parser.add_argument("kb", metavar="KB")
     parser.add_argument("dataset", type=Path, metavar="DATASET")
+    parser.add_argument("--scenes", type=int, metavar="N")
     asked = parser.parse_args()
-    main(asked.kb, asked.dataset)
+    main(asked.kb, asked.dataset, asked.scenes)

@@ -29,8 +29,8 @@ from plogic.run.sources import kb_of
 from sensing.detectors.detector import detect
 from sensing.pixels.drawn import Paint
 from sensing.pixels.photo import Photo
-from sensing.pixels.refine import INDEPENDENT, moved, refined
-from sensing.pixels.sureness import INEXACT, RADIUS, Alternative, alternatives, share_of
+from sensing.pixels.refine import INDEPENDENT, INEXACT, moved, refined
+from sensing.pixels.sureness import RADIUS, Alternative, alternatives, share_of
 from sensing.simulated.body import Body
 from sensing.simulated.camera import Sensor, render
 from sensing.simulated.surroundings import Light, Surroundings

@@ -96,9 +96,9 @@ def joined(some: Sequence[Stands]) -> Stands:
     return Stands(*(np.concatenate(part) for part in zip(_NOTHING, *some, strict=True)))
 
 
-def log_free(plane: Plane) -> float:
-    """Ln of the density, per steradian and metre, of tilts and heights of a free body against a plane."""
-    return -float(np.log(2.0 * np.pi * plane.offset * FAR))
+def log_free(offset: Floats | float) -> Floats:
+    """Ln of the density, per steradian and metre, of tilts and heights of a free body against planes so far below."""
+    return np.asarray(-np.log(2.0 * np.pi * FAR * np.asarray(offset)))
 
 
 def off(stands: Stands, plane: Plane) -> tuple[Floats, Floats]:
@@ -113,8 +113,17 @@ def log_ratios(stands: Stands, plane: Plane) -> Floats:
     """(N,) ln ρ of each way of standing on a plane."""
     tilted, above = off(stands, plane)
     squares = (tilted**2).sum(axis=1) / stands.tilt**2 + (above / stands.high) ** 2
-    volume = 1.5 * np.log(2.0 * np.pi) + 2.0 * np.log(stands.tilt) + np.log(stands.high)
-    return np.asarray(-0.5 * squares - volume - log_free(plane))
+    return np.asarray(-0.5 * squares - _volumes(stands) - log_free(plane.offset))
+
+
+def log_peaks(stands: Stands) -> Floats:
+    """(N,) ln ρ of each way of standing on the very plane that it fixes."""
+    offset = np.maximum(-(stands.up * stands.foot).sum(axis=1), 1e-9)
+    return np.asarray(-_volumes(stands) - log_free(offset))
+
+
+def _volumes(stands: Stands) -> Floats:
+    return np.asarray(1.5 * np.log(2.0 * np.pi) + 2.0 * np.log(stands.tilt) + np.log(stands.high))
 
 
 def fitted(stands: Stands, share: Floats, plane: Plane) -> Known:
@@ -135,10 +144,9 @@ def fitted(stands: Stands, share: Floats, plane: Plane) -> Known:
     return Known(new, np.asarray(np.linalg.inv(told)))
 
 
-TILTED, LEVEL = 0.1, 0.01
+TILTED, LEVEL = 0.075, 0.009
 """Standard deviations by which true bodies are off the planes that they stand on: rad, for meshes are not exact, and a
-share of the distance: a little more than ``lmo`` has, 0.075 and 0.009, and ``ycb``, 0.037 and 0.003
-(``python benchmarks/planes.py KB DATASET``)."""
+share of the distance: those of ``lmo``; ``ycb``'s are 0.037 and 0.003 (``python benchmarks/planes.py KB DATASET``)."""
 TIPPED = 0.6
 """Radians beyond which a face is not what a body stands on."""
 

@@ -15,7 +15,19 @@ import numpy as np
 
 from geometry.arrays import Floats, Ints
 from geometry.bodies.resting import Plane, RestingFaces, along_plane
-from geometry.bodies.standing import Known, Stands, alike, fitted, joined, log_free, log_ratios, ways
+from geometry.bodies.standing import (
+    LEVEL,
+    TILTED,
+    Known,
+    Stands,
+    alike,
+    fitted,
+    joined,
+    log_free,
+    log_peaks,
+    log_ratios,
+    ways,
+)
 from geometry.camera import Camera
 from kb.clouds.cloud import KnowledgeBase
 from plogic.facts.hypothesis import Hypothesis
@@ -51,7 +63,8 @@ class Bodies(NamedTuple):
     """B hypotheses, at most one of each ``kind`` (B,), a number, is there; ``odds`` (B,): logarithms, by all else.
 
     ``names`` (B) of their types; ``stands``: the ways in which each may stand; ``chance`` (B,): P(its pose would stand
-    as it does, were it not there).
+    as it does, were it not there). ``most`` (B,) is 1, or of what was looked for on a plane, for which to stand exactly
+    there says nothing, by how much that would make its pose likelier.
     """
 
     names: tuple[str, ...]
@@ -59,6 +72,7 @@ class Bodies(NamedTuple):
     odds: Floats
     stands: Stands
     chance: Floats
+    most: Floats
 
     @property
     def present(self) -> Floats:
@@ -122,13 +136,21 @@ def bodies_of(accepted: Sequence[Hypothesis], proposed: Sequence[Hypothesis], se
     odds = [posed.surplus - posed.stance for posed in some]
     stands = [_ways(k, posed, setting) for k, posed in enumerate(some)]
     chance = [1.0 if posed.put else BY_CHANCE for posed in some]
+    rests = setting.kb.rests or 0.0
+    most = [_most(ways, rests) if posed.put else 1.0 for posed, ways in zip(some, stands, strict=True)]
     return Bodies(
         tuple(posed.type for posed in some),
         np.array(kinds, np.intp),
         np.array(odds, float),
         joined(stands),
         np.array(chance, float),
+        np.array(most, float),
     )
+
+
+def _most(stands: Stands, rests: float) -> float:
+    """By how much likelier the pose of a body is where it stands exactly on a plane, the likeliest way."""
+    return 1.0 - rests + rests * float((stands.chance * np.exp(log_peaks(stands))).max(initial=0.0))
 
 
 class Standing(Protocol):
@@ -147,6 +169,11 @@ class Standing(Protocol):
 
 def _ways(number: int, posed: Hypothesis, setting: Setting) -> Stands:
     model, pose = setting.models[posed.type], posed.camera_from_object
+    if posed.spread is not None:
+        far = float(np.linalg.norm(pose[:3, :3] @ model.centre + pose[:3, 3]))
+        tilt = float(np.sqrt(np.trace(posed.spread[:3, :3]) / 3.0 + TILTED**2))
+        spread = posed.spread[3:, 3:] + (LEVEL * far) ** 2 * np.eye(3)
+        return ways(number, model.resting, pose, model.centre, tilt, spread)
     if posed.pixels is not None:
         return roughly(number, model, pose)
     told = np.linalg.inv(pose_information(posed, setting.camera, setting.kb))
@@ -168,7 +195,7 @@ def supported(bodies: Bodies, rests: float) -> Supported:
     """The planes that the bodies speak for, where a thing ``rests`` with that chance, and what standing is worth."""
     from scipy.special import logsumexp
 
-    number = len(bodies.kind)
+    number, put = len(bodies.kind), bodies.most > 1.0
     planes = _abduced(bodies, rests) if number else []
     if not planes:
         nothing = np.array([1.0 - NONE, NONE])
@@ -176,17 +203,19 @@ def supported(bodies: Bodies, rests: float) -> Supported:
     shares = np.array([plane.log_prior for plane in planes])
     elsewhere = np.log(max(1.0 - NONE - float(np.exp(shares).sum()), 1e-12))
     prior = np.array([*shares, elsewhere, np.log(NONE)])
-    factors = np.stack([*(plane.factors for plane in planes), np.full(number, 1.0 - rests), np.ones(number)])
+    neither = _free(bodies, rests), 1.0 / bodies.most
+    factors = np.stack([*(plane.factors for plane in planes), *neither])
     there = bodies.present
     of_kind = 1.0 - bodies.sums(there) + np.stack([bodies.sums(there * row) for row in factors])
     logs = prior + np.log(of_kind).sum(axis=1)
     probability = np.exp(logs - logsumexp(logs))
     without = logs[:, None] - np.log(of_kind)[:, bodies.kind]  # (P + 2, B) by all other types
     present = logsumexp(without + np.log(factors), axis=0) - logsumexp(without, axis=0)
-    absent = np.log(1.0 - bodies.chance + bodies.chance * np.exp(present))
+    by_chance = np.log(1.0 - bodies.chance + bodies.chance * np.exp(present))
+    worth = present - np.where(put, 0.0, by_chance)
     first = np.unique(bodies.kind, return_index=True)[1]
     types = tuple(bodies.names[body] for body in first)
-    return Supported(tuple(planes), probability, present - absent, prior, np.log(of_kind), types)
+    return Supported(tuple(planes), probability, worth, prior, np.log(of_kind), types)
 
 
 def _abduced(bodies: Bodies, rests: float) -> list[Believed]:
@@ -221,17 +250,28 @@ def _settled(bodies: Bodies, plane: Plane, start: int, rests: float) -> Known | 
     return known if known.plane.offset > 0.0 else None
 
 
+def _free(bodies: Bodies, rests: float) -> Floats:
+    """(B,) how likely each pose is that stands on no plane, where planes are."""
+    return (1.0 - rests) / bodies.most
+
+
 def _factors(bodies: Bodies, plane: Plane, rests: float) -> tuple[Floats, Floats]:
-    """(B,) how much likelier each pose is where the plane holds, and (N,) each way's part of it."""
+    """(B,) how much likelier each pose is where the plane holds, and (N,) each way's part of it.
+
+    What was looked for on a plane is as likely as it stands on this one: how exactly, its pixels and contact said.
+    """
+    of = bodies.stands.body
     parts = rests * bodies.stands.chance * np.exp(np.minimum(log_ratios(bodies.stands, plane), 50.0))
-    told = np.bincount(bodies.stands.body, parts, minlength=len(bodies.kind))
-    return np.asarray(1.0 - rests + told), parts
+    told = np.bincount(of, parts, minlength=len(bodies.kind))
+    most = np.where(bodies.most > 1.0, 1.0 - rests + told, 1.0)
+    return np.asarray(_free(bodies, rests) + told / most), parts / most[of]
 
 
 def standing_on(bodies: Bodies, plane: Plane, rests: float) -> Floats:
     """(B,) P(each stands on a plane, given that it is there and that the plane is)."""
     factors, _ = _factors(bodies, plane, rests)
-    return 1.0 - (1.0 - rests) / factors
+    told = factors - _free(bodies, rests)
+    return np.where(bodies.most > 1.0, told, told / factors)
 
 
 def _shares(bodies: Bodies, plane: Plane, there: Floats, rests: float) -> Floats:
@@ -254,7 +294,7 @@ def _stacked(bodies: Bodies, plane: Plane, shares: Floats) -> Floats:
             some = Stands(*(part[on] for part in stands))
             ratios = np.exp(np.minimum(log_ratios(some, raised), 50.0))
             told += shares[lower] * np.bincount(some.body, some.chance * ratios, minlength=len(told))
-    return told
+    return told / bodies.most
 
 
 def _weighed(bodies: Bodies, known: Known, there: Floats, rests: float) -> tuple[float, Believed]:
@@ -262,7 +302,7 @@ def _weighed(bodies: Bodies, known: Known, there: Floats, rests: float) -> tuple
     shares = _shares(bodies, known.plane, there, rests)
     factors = _factors(bodies, known.plane, rests)[0] + rests * STACKED * _stacked(bodies, known.plane, shares)
     volume = 1.5 * np.log(2.0 * np.pi) + 0.5 * float(np.linalg.slogdet(known.covariance)[1])
-    log_prior = float(np.log(1.0 - NONE) + min(0.0, log_free(known.plane) + volume))
+    log_prior = float(np.log(1.0 - NONE) + min(0.0, float(log_free(known.plane.offset)) + volume))
     of_kind = 1.0 - bodies.sums(there) + bodies.sums(there * factors)
     stands = np.bincount(bodies.stands.body, shares, minlength=len(factors))
     by = tuple(name for name, share in zip(bodies.names, stands, strict=True) if share > STANDS)

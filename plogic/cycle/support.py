@@ -28,7 +28,7 @@ from plogic.match.judged.type_models import Given
 
 SURE = 50.0
 """Log-odds of what is accepted."""
-LIKELY = 0.5
+LIKELY = 0.03
 """Probability from which a plane is searched."""
 RESTS = 1.0 - UNKNOWN_SUPPORT
 """P(a thing rests), where a knowledge base does not say."""
@@ -57,7 +57,7 @@ def plane_under(posed: Sequence[tuple[Standing, Floats]], rests: float = RESTS) 
     stands = joined([roughly(k, body, pose) for k, (body, pose) in enumerate(posed)])
     number = len(posed)
     sure, names = np.full(number, SURE), tuple(map(str, range(number)))
-    return _agreed(Bodies(names, np.arange(number), sure, stands, np.zeros(number)), rests)
+    return _agreed(Bodies(names, np.arange(number), sure, stands, np.zeros(number), np.ones(number)), rests)
 
 
 def _agreed(bodies: Bodies, rests: float) -> Support | None:

@@ -142,9 +142,10 @@ class Hypothesis:
     ``pixels``: how well the photo fits, at the pose that was moved to where it fits best (``sensing.pixels``), the
     logarithm of a likelihood, about; None where there is no photo, or no paint. ``pixel_table``: the same by who stands
     before it, as the posterior is told; None where there is no ``pixels``. ``pose_probability``: P(its pose is right,
-    given that it is present), by the photo; None where that is not known. ``stance``: what standing where others do, or
-    nowhere, adds to its log-odds given all other proposals (§9.9); 0 where nobody said that things rest. ``put``:
-    whether it was looked for on a plane, so that standing there says nothing for it.
+    given that it is present), by the photo; None where that is not known. ``spread`` (6, 6): how exactly its pixels
+    tell its pose, the covariance of its turn about its middle (rad) and of the middle (m), camera frame. ``stance``:
+    what standing where others do, or nowhere, adds to its log-odds given all other proposals (§9.9); 0 where nobody
+    said that things rest. ``put``: whether it was looked for on a plane, so that standing there says nothing for it.
 
     ``worth`` is the log-likelihood ratio against clutter, ``surplus`` what is left of it besides what any pose has.
     ``ev`` is that of the hypothesis alone, ``ev_reconsidered`` that beside Δi; None where it is 0/0 or was not asked.
@@ -185,6 +186,7 @@ class Hypothesis:
     across: NDArray[np.float64] | None = field(default=None, repr=False)
     axes: NDArray[np.float64] | None = field(default=None, repr=False)
     pixels: float | None = field(default=None, repr=False)
+    spread: NDArray[np.float64] | None = field(default=None, repr=False)
     stance: float = 0.0
     put: bool = False
     pixel_table: PixelTable | None = None
@@ -227,9 +229,9 @@ class Hypothesis:
         """What was judged of it: another hypothesis can be ``told`` the same."""
         return {name: getattr(self, name) for name in VERDICT}
 
-    def beyond(self) -> dict[str, float | None]:
+    def beyond(self) -> dict[str, object]:
         """What is known of it beyond Γ: another hypothesis of its pose can be ``told`` the same."""
-        return {"pixels": self.pixels, "stance": self.stance, "put": self.put}
+        return {name: getattr(self, name) for name in ("pixels", "spread", "stance", "put")}
 
     def bare(self) -> Hypothesis:
         """The same hypothesis without its arrays: type, pose and verdict."""

@@ -27,6 +27,7 @@ from sensing.pixels.refine import (
     FINE,
     FIRST,
     INDEPENDENT,
+    INEXACT,
     different,
     exact,
     far,
@@ -40,10 +41,6 @@ from sensing.pixels.refine import (
 
 RADIUS = 0.1
 """Diameters: mean distance of the surface's places (ADD) within which a pose is right."""
-INEXACT = 1.0
-"""Standard deviation of the distance, as a share, for the share of its size by which edges are off the outline. Of 0,
-0.5, 1, 1.5, 2 the one of the least log loss on the simulated photos that calibrate, and on real ones (the same
-script)."""
 UNLIKELY = 9.0
 """Fit, below the best, of starts that are not followed to the end: in a softmax less than 1 in 8000."""
 DRAWS, PLACES = 256, 60

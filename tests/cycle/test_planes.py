@@ -27,7 +27,7 @@ def pose(x, y, turn=0.0, height=0.0, tip=0.0):
     return EYE @ from_rotation_translation(turned, (x, y, 0.03 + height))
 
 
-def bodies(poses, odds, kinds=None, tilt=0.05, spread=SPREAD, chance=0.0):
+def bodies(poses, odds, kinds=None, tilt=0.05, spread=SPREAD, chance=0.0, put=()):
     stands = joined([ways(k, FACES, some, np.zeros(3), tilt, spread) for k, some in enumerate(poses)])
     names = tuple(f"t{k}" for k in range(len(poses)))
     return Bodies(
@@ -35,7 +35,8 @@ def bodies(poses, odds, kinds=None, tilt=0.05, spread=SPREAD, chance=0.0):
         np.arange(len(poses)) if kinds is None else np.array(kinds),
         np.array(odds, float),
         stands,
-        np.full(len(poses), chance),
+        np.where(np.isin(range(len(poses)), put), 1.0, chance),
+        np.where(np.isin(range(len(poses)), put), 500.0, 1.0),
     )
 
 
@@ -99,6 +100,27 @@ def test_what_would_stand_by_chance_gains_no_more_than_that_allows(chance):
     sure, some = (supported(bodies(poses, [3.0] * 4, chance=part), RESTS).worth for part in (0.0, chance))
     assert (some[:3] <= -np.log(chance) + 1e-9).all()
     np.testing.assert_allclose(some, sure - np.log(1.0 - chance + chance * np.exp(sure)))
+
+
+def test_what_was_looked_for_on_a_plane_gains_nothing_by_standing_there_and_is_as_likely_as_the_plane():
+    poses = [pose(0.0, 0.0), pose(0.2, 0.1, 1.0), pose(-0.1, 0.15, 2.0), pose(0.1, -0.1, 0.5)]
+    sure = supported(bodies(poses, [4.0] * 4, put=[3]), RESTS)
+    assert sure.probability[0] > 0.95
+    assert sure.worth[3] == pytest.approx(0.0, abs=0.05)
+    doubtful = supported(bodies([poses[0], poses[3]], [4.0, 4.0], put=[1]), RESTS)
+    table = max(range(len(doubtful.planes)), key=lambda k: doubtful.planes[k].known.plane.up @ TABLE.up)
+    assert doubtful.worth[1] == pytest.approx(np.log(doubtful.without({"t1"})[table]), abs=0.5)
+    assert doubtful.worth[1] < np.log(0.5)
+
+
+@settings(max_examples=30, deadline=None, derandomize=True)
+@given(st.floats(-2.0, 5.0))
+def test_what_was_looked_for_on_a_plane_speaks_for_it_as_far_as_it_is_there(odds):
+    poses = [pose(0.0, 0.0), pose(0.2, 0.1, 1.0)]
+    found = supported(bodies(poses, [3.0, odds], put=[1]), RESTS)
+    table = max(range(len(found.planes)), key=lambda k: found.planes[k].known.plane.up @ TABLE.up)
+    more = found.told[table, 1] - found.told[-2, 1]
+    assert 0.0 < more <= np.log1p(np.exp(odds)) + 1e-9
 
 
 @settings(max_examples=30, deadline=None, derandomize=True)

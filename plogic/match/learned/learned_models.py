@@ -181,7 +181,7 @@ class LearnedIndex:
         """
         if isinstance(pose, Hypothesis) and pose.pixels is not None and rounds:
             there = self.settle(pose.camera_from_object, data, kb, free, hidden, rounds=0)
-            return there.told(pixels=pose.pixels)
+            return there.told(**pose.beyond())
         return settled(
             pose,
             lambda pose: matched(self, pose_of(self, pose, data, kb), data, kb, free, hidden),

@@ -73,9 +73,12 @@ def by_pixels(
     by_keypoints = [
         row for row in screened(index, best, worth, data, before, SCREENED) if row[0] >= PROMISING or row[2] >= WORTHY
     ]
-    by_views = [row for row in screened(index, seen, np.zeros(len(seen)), data, before, len(seen)) if row[0] >= FAINT]
+    looked = screened(index, seen, np.zeros(len(seen)), data, before, len(seen))
     most = FITTED_SEEN if contact is None else FITTED_ON
-    starts = [(*row[:2], True) for row in by_keypoints[:FITTED]] + [(*row[:2], False) for row in by_views[:most]]
+    by_views = [row for row in looked if row[0] >= FAINT][:most]
+    if contact is not None:  # and the first of the few on a plane, which its views alone know well
+        by_views += [row for row in looked[most:] if np.array_equal(row[1], seen[0])]
+    starts = [(*row[:2], True) for row in by_keypoints[:FITTED]] + [(*row[:2], False) for row in by_views]
     found: list[tuple[float, Hypothesis]] = []
     tried: list[tuple[float, Floats]] = []
     hopeless: list[Refined] = []
@@ -107,7 +110,7 @@ def _of_half_turns(index: LearnedIndex, at: Refined, photo: Photo, before: Seque
 
 def _told(index: LearnedIndex, at: Refined, data: Data, kb: KnowledgeBase) -> list[tuple[float, Hypothesis]]:
     """The hypothesis of a refined pose, with its log-likelihood ratio; none where too little of it is detected."""
-    moved = index.settle(at.pose, data, kb, rounds=0).told(pixels=at.fit.odds)
+    moved = index.settle(at.pose, data, kb, rounds=0).told(pixels=at.fit.odds, spread=at.spread)
     enough = (moved.candidate & moved.detected).sum() >= FEWEST
     return [(evidence(moved, data, kb).ratio, moved)] if enough else []
 
@@ -181,7 +184,7 @@ def stood(
         return posed
     from sensing.pixels.crop import crop_of
     from sensing.pixels.energy import fit_of, trusted
-    from sensing.pixels.refine import FINE, exact, settled
+    from sensing.pixels.refine import FINE, exact, ordered, settled, spread_of
 
     near = [other for other in others if not apart_on_screen(posed, other, data.camera.f, 0.0)]
     crop = crop_of(data.photo, index.paint, posed.camera_from_object, FINE, hiding(near))
@@ -189,9 +192,14 @@ def stood(
         return posed
     trust = trusted([fit_of(crop, index.paint, posed.camera_from_object)])
     contact = Contact(*known, index.resting)
-    pose = settled(crop, index.paint, posed.camera_from_object, exact(trust), contact)
-    pixels = fit_of(crop, index.paint, pose, whole=True).odds
-    return index.settle(pose, data, kb, rounds=0).told(**posed.verdict(), **posed.beyond()).told(pixels=pixels)
+    moved = settled(crop, index.paint, posed.camera_from_object, exact(trust), contact)
+    some = [posed.camera_from_object, moved]
+    fits = [fit_of(crop, index.paint, pose, whole=True) for pose in some]
+    if ordered(some, fits, index.paint, contact)[0][0][0] is not moved:
+        return posed
+    spread = spread_of(crop, index.paint, moved, fits[1])
+    there = index.settle(moved, data, kb, rounds=0).told(**posed.verdict(), **posed.beyond())
+    return there.told(pixels=fits[1].odds, spread=spread)
 
 
 def pictured(index: LearnedIndex, posed: Hypothesis, others: Mapping[str, Hypothesis], data: Data) -> Hypothesis:

@@ -43,7 +43,7 @@ def test_what_one_body_tells_of_a_plane_is_used_up_by_it(way):
     found = stands(on_table(0.1, 0.0))
     plane = Plane(found.up[way], -float(found.up[way] @ found.foot[way]))
     known = fitted(found, np.eye(len(found.face))[way], plane)
-    prior = log_free(known.plane) + 1.5 * np.log(2.0 * np.pi) + 0.5 * np.linalg.slogdet(known.covariance)[1]
+    prior = log_free(known.plane.offset) + 1.5 * np.log(2.0 * np.pi) + 0.5 * np.linalg.slogdet(known.covariance)[1]
     assert prior + log_ratios(found, known.plane)[way] == pytest.approx(0.0, abs=0.02)
 
 

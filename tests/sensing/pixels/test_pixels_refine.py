@@ -54,10 +54,14 @@ def disturbed(paint, turn=(0.0, 0.0, 0.0), shift=(0.0, 0.0, 0.0)):
 )
 def test_a_pose_that_is_off_comes_back(paint, photo, turn, shift):
     """8 % of the distance, 7 px across, 10° of tilt, and both."""
-    pose, fit, hopeless = refined(photo, paint, disturbed(paint, turn, shift))
+    pose, fit, hopeless, spread = refined(photo, paint, disturbed(paint, turn, shift))
     assert off(paint, pose) < 0.02
     assert fit.odds > 8.0
     assert not hopeless
+    turned = cv2.Rodrigues(pose[:3, :3] @ TRUE[:3, :3].T)[0].ravel()
+    step = np.append(turned, (pose - TRUE)[:3] @ np.append(paint.middle, 1.0))
+    assert step @ np.linalg.solve(spread, step) < 16.8  # χ² of six, 0.99
+    assert 0.0005 < np.sqrt(spread[5, 5]) < 0.02
 
 
 @pytest.mark.parametrize("shift", [0.03, -0.03, 0.0])
@@ -66,7 +70,7 @@ def test_paint_that_is_not_the_objects_pulls_nothing(photo, shift):
     from painted_cube import paint as print_of
 
     other = Paint(replace(cube(), texture=print_of(seed=11)))
-    pose, fit, _ = refined(photo, other, disturbed(other, (0, 4, 0), (0, 0, shift)))
+    pose, fit, *_ = refined(photo, other, disturbed(other, (0, 4, 0), (0, 0, shift)))
     assert fit.correlation < 0.2
     assert off(other, pose) < 0.01
 
@@ -158,7 +162,7 @@ def test_light_and_white_balance_change_little(paint, photo):
     """A gain and an offset for each channel, and a shade across the picture."""
     shade = np.linspace(0.6, 1.1, CAMERA.width)[None, :, None]
     image = np.clip(photo.image * shade * [0.8, 1.0, 1.15] + 8.0, 0, 255).astype(np.uint8)
-    pose, fit, hopeless = refined(Photo(image, CAMERA), paint, disturbed(paint, (0, 0, 0), (0, 0, 0.03)))
+    pose, fit, hopeless, _ = refined(Photo(image, CAMERA), paint, disturbed(paint, (0, 0, 0), (0, 0, 0.03)))
     assert off(paint, pose) < 0.02
     assert fit.odds > 8.0
     assert not hopeless
