@@ -32,6 +32,7 @@ from geometry.camera import Camera
 from kb.clouds.cloud import KnowledgeBase
 from plogic.facts.hypothesis import Hypothesis
 from plogic.match.judged.evidence import pose_information
+from plogic.match.judged.rivals import overlap
 from plogic.match.judged.type_models import TypeModel
 
 NONE = 0.2
@@ -128,11 +129,13 @@ class Setting(NamedTuple):
 
 
 def bodies_of(accepted: Sequence[Hypothesis], proposed: Sequence[Hypothesis], setting: Setting) -> Bodies:
-    """Those of Δi, each there for itself, and proposals, of a type one at most besides."""
+    """Those of Δi, each there for itself or a rival in its place, and proposals, of a type one at most besides."""
     some = [*accepted, *proposed]
-    names = dict.fromkeys([*range(len(accepted)), *(posed.type for posed in proposed)])
-    number = {name: k for k, name in enumerate(names)}
-    kinds = [*range(len(accepted)), *(number[posed.type] for posed in proposed)]
+    kinds = [f"{k} " for k in range(len(accepted))]
+    for posed in proposed:
+        rivals = (k for k, other in zip(kinds, accepted, strict=False) if _one_of_two(other, posed))
+        kinds.append(next(rivals, posed.type))
+    number = {name: k for k, name in enumerate(dict.fromkeys(kinds))}
     odds = [posed.surplus - posed.stance for posed in some]
     stands = [_ways(k, posed, setting) for k, posed in enumerate(some)]
     chance = [1.0 if posed.put else BY_CHANCE for posed in some]
@@ -140,7 +143,7 @@ def bodies_of(accepted: Sequence[Hypothesis], proposed: Sequence[Hypothesis], se
     most = [_most(ways, rests) if posed.put else 1.0 for posed, ways in zip(some, stands, strict=True)]
     return Bodies(
         tuple(posed.type for posed in some),
-        np.array(kinds, np.intp),
+        np.array([number[name] for name in kinds], np.intp),
         np.array(odds, float),
         joined(stands),
         np.array(chance, float),
@@ -151,6 +154,11 @@ def bodies_of(accepted: Sequence[Hypothesis], proposed: Sequence[Hypothesis], se
 def _most(stands: Stands, rests: float) -> float:
     """By how much likelier the pose of a body is where it stands exactly on a plane, the likeliest way."""
     return 1.0 - rests + rests * float((stands.chance * np.exp(log_peaks(stands))).max(initial=0.0))
+
+
+def _one_of_two(one: Hypothesis, other: Hypothesis) -> bool:
+    """Whether these are of one type and in one place."""
+    return one.type == other.type and overlap(one, other)
 
 
 class Standing(Protocol):

@@ -21,14 +21,14 @@ from geometry.bodies.standing import joined
 from kb.clouds.cloud import UNKNOWN_SUPPORT
 from plogic.cycle.judging import judge, surplus_beside
 from plogic.cycle.planes import STANDS, Bodies, Setting, Standing, bodies_of, roughly, standing_on, supported
-from plogic.cycle.state import Proposal, State, Step, Task
+from plogic.cycle.state import Proposal, State, Task
 from plogic.facts.hypothesis import Hypothesis
 from plogic.match.gamma.data import Data
 from plogic.match.judged.type_models import Given
 
 SURE = 50.0
 """Log-odds of what is accepted."""
-LIKELY = 0.03
+LIKELY = 0.1
 """Probability from which a plane is searched."""
 RESTS = 1.0 - UNKNOWN_SUPPORT
 """P(a thing rests), where a knowledge base does not say."""
@@ -118,7 +118,7 @@ def standing(task: Task, state: State, left: Data, given: Given) -> tuple[list[H
 def settled_down(task: Task, state: State) -> State:
     """The state in which each accepted object that stands on the likeliest plane is moved to touch it, about.
 
-    Its pixels and what it stands on speak together there; what they no longer speak for is rejected.
+    Its pixels and what it stands on speak together there. What would not be accepted there stays as it was.
     """
     if task.kb.rests is None or len(state.accepted) < FEWEST:
         return state
@@ -126,7 +126,7 @@ def settled_down(task: Task, state: State) -> State:
     found = supported(bodies, task.kb.rests)
     if not found.planes or found.probability[0] < STANDS:
         return state
-    known, some, lost = found.planes[0].known, list(state.accepted), list[Hypothesis]()
+    known, some = found.planes[0].known, list(state.accepted)
     stands = standing_on(bodies, known.plane, task.kb.rests) > STANDS
     for one in [one for one, on in zip(state.accepted, stands, strict=True) if on]:
         others, search = [other for other in some if other is not one], task.search_for(one)
@@ -134,9 +134,6 @@ def settled_down(task: Task, state: State) -> State:
         if moved is one:
             continue
         moved = judge(task, others, moved, 0).told(status=one.status, why=one.why)
-        some = [moved if other is one else other for other in some]
-        if surplus_beside(moved, others) <= task.demanded(moved):
-            some = [other for other in some if other is not moved]
-            lost.append(moved.told(status="rejected", why="its pixels do not hold where it touches what it stands on"))
-    steps = (Step("release", posed.why, posed.type) for posed in lost)
-    return replace(state, accepted=tuple(some), rejected=(*state.rejected, *lost)).tells(*steps)
+        if surplus_beside(moved, others) > task.demanded(moved):
+            some = [moved if other is one else other for other in some]
+    return replace(state, accepted=tuple(some))

@@ -101,3 +101,10 @@ def test_where_nobody_said_that_things_rest_nothing_is_told():
 
 def replace_rests(rests):
     return SETTING._replace(kb=SimpleNamespace(rests=rests))
+
+
+def test_a_rival_in_the_place_of_an_accepted_one_speaks_in_its_stead_and_not_beside_it():
+    here, beside = STANDING["h1"].told(status="open"), box(0.3, -0.2, status="open")
+    found = bodies_of([STANDING["h1"], STANDING["h2"]], [here, beside], SETTING)
+    assert found.kind.tolist() == [0, 1, 0, 2]
+    assert bodies_of([STANDING["h1"]], [], SETTING).kind.tolist() == [0]
