@@ -5,20 +5,32 @@
 stands on another. The best world is let go as it was found; with one object lifted by 5 cm; and with a stack's lower
 object taken away. What was lifted should fall, and what stands on what is missing, and nothing else. Objects whose pose
 is not within a tenth of their diameter of the true one (ADD) are told apart: a wrong world may fall.
+
+``--pictures KB DATASET``: instead, rendered pictures with the models of DATASET, in BOP layout, which are the types of
+KB, by number or by name: scenes as of ``plogic bench support``, of other seeds. What is held in the air or leans there
+should stay where it is, for it is free; what stands on what is not found may do either, and is left out.
 """
 
 import argparse
 from collections import Counter
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator, Mapping
 from copy import deepcopy
+from pathlib import Path
+from typing import NamedTuple
 
 import numpy as np
 
+from benchmarks.photos.answers import Looker
+from benchmarks.photos.knowledge import resting
+from benchmarks.photos.scenes import as_symmetric
+from benchmarks.photos.table import measure_of
+from benchmarks.support.bench import scenes_with
 from geometry.arrays import Floats
 from geometry.camera import Camera
 from geometry.frames import inverse, look_at, transform_points
 from plogic import perceive
 from plogic.facts.document import HypothesisRow, Interpretation, RejectedRow
+from plogic.run.bop.models import ids_of, model_names
 from plogic.run.settling import ObjectRow, settled
 from plogic.run.simulated_gamma import Posed, simulated_gamma
 from plogic.run.sources import kb_of
@@ -31,6 +43,9 @@ MIDDLE = np.array([0.0, 0.0, 0.1])
 RIGHT = 0.1
 """Of the diameter, within which a pose is right."""
 SEEDS = "0..59"
+RENDERED = 70_000
+"""Of the first picture: those of ``plogic bench support`` are from 40000 on."""
+FLOOR, AIR, LOST = "the floor", "nothing", "what is not found"
 
 
 def scene(seed: int) -> tuple[Camera, list[Floats], bool]:
@@ -55,8 +70,21 @@ def _turned(angle: float, place: tuple[float, float, float]) -> Floats:
     return pose
 
 
-def found(seed: int) -> tuple[Interpretation, dict[str, int], set[str], bool]:
-    """The interpretation, which box each present hypothesis is, whose pose is right, and whether it is of a stack."""
+class Found(NamedTuple):
+    """A world that was found: its document, and of each present hypothesis what it stands on in truth.
+
+    ``on``: another hypothesis, or FLOOR, AIR, or LOST, which is not found. ``right``: whose pose is. ``up`` (3,): away
+    from the floor, camera frame.
+    """
+
+    document: Interpretation
+    on: Mapping[str, str]
+    right: set[str]
+    up: Floats
+
+
+def found(seed: int) -> Found:
+    """What is found of simulated boxes."""
     camera, poses, stacked = scene(seed)
     kb, camera_from_world = kb_of("first"), inverse(np.asarray(camera.world_from_camera))
     truths = [camera_from_world @ pose for pose in poses]
@@ -74,56 +102,93 @@ def found(seed: int) -> tuple[Interpretation, dict[str, int], set[str], bool]:
         add = [float(np.linalg.norm(rows, axis=1).mean()) for rows in moved]
         who[name] = int(np.argmin(add))
         right |= {name} if min(add) < RIGHT * surface.diameter else set()
-    return document, who, right, stacked
+    lower = next((name for name in who if who[name] == 0), LOST)
+    on = {name: lower if stacked and box == len(poses) - 1 else FLOOR for name, box in who.items()}
+    return Found(document, on, right, camera_from_world[:3, 2])
+
+
+def pictured(kb_folder: str, dataset: Path, seeds: range) -> Iterator[Found]:
+    """What is found in rendered pictures."""
+    kb = resting(kb_of(kb_folder), maybe=True)
+    names = [kind.name for kind in kb.types]
+    known = model_names(dataset / "models") | ids_of(names, {})
+    numbers = {name: known[name] for name in names if name in known}
+    looker, measure = Looker(kb, numbers), measure_of(kb, numbers, dataset / "models")
+    measure = measure._replace(models=as_symmetric(measure.models))
+    for stood in scenes_with(kb, numbers, dataset, seeds):
+        document = looker.looked(stood.shown).document
+        present = set(document["worlds"][0]["present"]) if document["worlds"] else set()
+        answers = {name: posed for name, posed in looker.accepted(document).items() if name in present}
+        _, told = measure.counted(stood.shown, list(answers.values()))
+        stands_for = [next((name for name, posed in answers.items() if posed is row.answer), LOST) for row in told]
+        rows = zip(stands_for, told, stood.stances, strict=True)
+        on = {
+            name: AIR if how.kind == "free" else FLOOR if how.on is None else stands_for[how.on]
+            for name, row, how in rows
+            if row.found
+        }
+        right = {name for name, row in zip(stands_for, told, strict=True) if row.right}
+        yield Found(document, on, right, stood.plane.up)
 
 
 def _row(document: Interpretation, name: str) -> HypothesisRow | RejectedRow:
     return next(row for row in document["hypotheses"] if row["id"] == name)
 
 
-def trials(seed: int) -> Iterator[tuple[str, ObjectRow, bool, bool]]:
-    """What is done, each object's row, whether it should stand, and whether its pose is right."""
-    document, who, right, stacked = found(seed)
-    camera = np.array(document["camera"]["T_world_camera"])
-    lower, upper = ({name for name in who if stacked and who[name] == k} for k in (0, 2))
-    over_nothing = set() if lower else upper
-    yield from _let_go("as found", document, over_nothing, right)
-    if not who:
-        return
-    lifted = sorted(who)[seed // 2 % len(who)]
-    one = deepcopy(document)
-    row = _row(one, lifted)
-    pose = np.array(row["T_camera_object"])
-    pose[:3, 3] += LIFT * camera[2, :3]
-    row["T_camera_object"] = pose.tolist()
-    if not (lifted in lower and upper):  # it would be lifted into what stands on it
-        yield from _let_go(f"one lifted by {100 * LIFT:.0f} cm", one, {lifted} | over_nothing, right)
-    if lower and upper:
-        taken = deepcopy(document)
-        taken["worlds"] = [{"probability": 1.0, "present": [name for name in who if name not in lower]}]
-        yield from _let_go("a stack's lower taken away", taken, upper, right)
+def trials(one: Found, turn: int) -> Iterator[tuple[str, ObjectRow, str, bool]]:
+    """What is done, each object's row, what should become of it, and whether its pose and those below it are right."""
+    document, on = one.document, one.on
+    if document["worlds"]:
+        yield from _let_go("as found", one, document, set())
+    tops = [name for name in sorted(on) if on[name] != AIR and name not in on.values()]
+    if tops:
+        lifted, other = tops[turn // 2 % len(tops)], deepcopy(document)
+        row = _row(other, lifted)
+        pose = np.array(row["T_camera_object"])
+        pose[:3, 3] += LIFT * one.up
+        row["T_camera_object"] = pose.tolist()
+        yield from _let_go(f"one lifted by {100 * LIFT:.0f} cm", one, other, {lifted})
+    upper = next((name for name in sorted(on) if on[name] in on), None)
+    if upper is not None:
+        lower, taken = on[upper], deepcopy(document)
+        left = [name for name in document["worlds"][0]["present"] if name != lower]
+        taken["worlds"] = [{"probability": 1.0, "present": left}]
+        above = {name for name in on if lower in _below(name, on)}
+        yield from _let_go("a stack's lower taken away", one, taken, above, drop=True)
+
+
+def _below(name: str, on: Mapping[str, str]) -> Iterator[str]:
+    """All that something stands on."""
+    while name in on:
+        name = on[name]
+        yield name
 
 
 def _let_go(
-    what: str, document: Interpretation, falls: set[str], right: set[str]
-) -> Iterator[tuple[str, ObjectRow, bool, bool]]:
-    for row in settled(document)["worlds"][0]["objects"]:
-        yield what, row, row["id"] not in falls, row["id"] in right
+    what: str, one: Found, document: Interpretation, falls: set[str], *, drop: bool = False
+) -> Iterator[tuple[str, ObjectRow, str, bool]]:
+    """``drop``: what is free is let go as well."""
+    for row in settled(document, drop=drop)["worlds"][0]["objects"]:
+        name = row["id"]
+        below = list(_below(name, one.on))
+        should = "fall" if name in falls or (drop and AIR in below) else "hold" if AIR in below else "stand"
+        if LOST not in below and name in one.on:
+            yield what, row, should, {name, *below} & one.on.keys() <= one.right
 
 
-def main(seeds: range) -> None:
+def main(scenes: Iterable[Found]) -> None:
     """Print how many objects are told right, and how far those that should stand are moved."""
-    counts: Counter[tuple[str, bool, bool, str]] = Counter()
+    counts: Counter[tuple[str, bool, str, str]] = Counter()
     shares: list[float] = []
-    for seed in seeds:
-        for what, row, stands, right in trials(seed):
-            counts[what, right, stands, row["verdict"]] += 1
-            if what == "as found" and right and stands:
+    for turn, one in enumerate(scenes):
+        for what, row, should, right in trials(one, turn):
+            counts[what, right, should, row["verdict"]] += 1
+            if what == "as found" and right and should == "stand":
                 shares.append(row["moved"] / row["allowed"])
     lines = [f"{'what':28} {'pose':6} {'should':7} {'verdict':11} objects"]
     lines += [
-        f"{what:28} {'right' if right else 'wrong':6} {'stand' if stands else 'fall':7} {verdict:11} {number}"
-        for (what, right, stands, verdict), number in sorted(counts.items(), reverse=True)
+        f"{what:28} {'right' if right else 'wrong':6} {should:7} {verdict:11} {number}"
+        for (what, right, should, verdict), number in sorted(counts.items(), reverse=True)
     ]
     told = np.percentile(shares, [50, 90, 100]) if shares else np.zeros(3)
     lines.append(
@@ -135,5 +200,12 @@ def main(seeds: range) -> None:
 if __name__ == "__main__":
     parser = argparse.ArgumentParser(description=(__doc__ or "").partition("\n")[0])
     parser.add_argument("--seeds", default=SEEDS, metavar="FIRST..LAST", help=f"default: {SEEDS}")
-    first, _, last = parser.parse_args().seeds.partition("..")
-    main(range(int(first), int(last) + 1))
+    parser.add_argument("--pictures", nargs=2, metavar=("KB", "DATASET"))
+    asked = parser.parse_args()
+    first, _, last = asked.seeds.partition("..")
+    seeds = range(int(first), int(last) + 1)
+    if asked.pictures is None:
+        main(map(found, seeds))
+    else:
+        kb, dataset = asked.pictures
+        main(pictured(kb, Path(dataset), range(RENDERED + seeds.start, RENDERED + seeds.stop)))

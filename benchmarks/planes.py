@@ -21,13 +21,10 @@ import numpy as np
 from benchmarks.photos.answers import Shown, photos_of
 from benchmarks.photos.planes import true_bodies, true_plane
 from benchmarks.photos.score import OUTLINED, Posed, overlap_of
-from benchmarks.photos.table import measure_of
-from benchmarks.support.bench import groups_of, solids_of
-from benchmarks.support.scenes import pictures_of
+from benchmarks.support.bench import scenes_with
 from geometry.arrays import Floats
 from geometry.bodies.resting import Plane
 from geometry.bodies.standing import Known, log_ratios, off
-from kb.clouds.cloud import KnowledgeBase
 from plogic.base.clock import Stopwatch
 from plogic.cycle.delta import Options
 from plogic.cycle.planes import Bodies, Setting, bodies_of, standing_on, supported
@@ -144,19 +141,14 @@ def _found(posed: Hypothesis, truth: Posed, perceiver: Perceiver, shown: Shown) 
     return surface is not None and overlap_of(answer, truth, surface.rays, shown.camera) >= OUTLINED
 
 
-def scenes_of(kb: KnowledgeBase, numbers: dict[str, int], dataset: Path, count: int) -> Iterator[Shown]:
-    """So many rendered scenes with the models of a dataset."""
-    measure = measure_of(kb, numbers, dataset / "models")
-    solids = solids_of(kb, groups_of(dataset.name, measure), measure.names)
-    return (stood.shown for stood in pictures_of(solids, range(DEVELOPED, DEVELOPED + count)))
-
-
 def main(kb_folder: str, dataset: Path, scenes: int | None) -> None:
     """Print it all."""
     perceiver = Perceiver(replace(kb_of(kb_folder), maybe=True))
     known = model_names(dataset / "models") | ids_of([kind.name for kind in perceiver.kb.types], {})
     numbers = {name: known[name] for name in perceiver.models if name in known}
-    photos = scenes_of(perceiver.kb, numbers, dataset, scenes) if scenes else photos_of(open_dataset(dataset))
+    seeds = range(DEVELOPED, DEVELOPED + (scenes or 0))
+    rendered = (stood.shown for stood in scenes_with(perceiver.kb, numbers, dataset, seeds))
+    photos = rendered if scenes else photos_of(open_dataset(dataset))
     rows = [one for shown in photos if (one := looked(perceiver, shown, numbers)) is not None]
     truths = np.concatenate([one.truths for one in rows])
     tilt, level = np.sqrt(np.mean(truths[:, 0] ** 2) / 2.0), np.sqrt(np.mean(truths[:, 1] ** 2))

@@ -23,7 +23,7 @@ from benchmarks.support.solids import Solid
 from plogic.base.errors import InputError
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Mapping, Sequence
+    from collections.abc import Callable, Iterator, Mapping, Sequence
     from pathlib import Path
 
     from benchmarks.photos.table import Measure
@@ -140,6 +140,12 @@ def groups_of(name: str, measure: Measure) -> dict[str, tuple[int, ...]]:
     if not any(there.values()):
         raise InputError(f"{name}: has models of none of the types {', '.join(map(str, (*PRINTED, *PLAIN)))}")
     return {group: own for group, own in there.items() if own}
+
+
+def scenes_with(kb: KnowledgeBase, numbers: Mapping[str, int], dataset: Path, seeds: Sequence[int]) -> Iterator[Stood]:
+    """Scenes of other seeds than the benchmark's with the models of a BOP dataset, by whose ``numbers`` types go."""
+    measure = measure_of(kb, numbers, dataset / "models")
+    return pictures_of(solids_of(kb, groups_of(dataset.name, measure), measure.names), seeds)
 
 
 def solids_of(kb: KnowledgeBase, groups: Mapping[str, Sequence[int]], names: Mapping[int, str]) -> list[list[Solid]]:
