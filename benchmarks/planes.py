@@ -4,7 +4,7 @@
 or by name; ``--scenes N``: of its models so many rendered scenes, those of ``plogic bench support`` but for their
 seeds, instead of its photos. The true plane of a photo is the one that the true poses speak for
 (``plogic.cycle.planes``). Prints by how much true poses that stand on it are off it
-(``geometry.bodies.standing.TILTED``, ``LEVEL``); how many of the proposals of a free search that are wrong stand on it
+(``geometry.bodies.standing.NOISES``); how many of the proposals of a free search that are wrong stand on it
 all the same (``plogic.cycle.planes.BY_CHANCE``), and how many of the others; and how far the plane is on which what was
 accepted stands. Every plain type is looked for on the true plane as well: printed is what the pixels of the best of
 each tell, and what has to be added to that so that it is the logarithm of a likelihood ratio: next to nothing.

@@ -54,11 +54,30 @@ class Stands(NamedTuple):
     wide: Floats
 
 
+class Noise(NamedTuple):
+    """Standard deviations by which true bodies are off the planes that they stand on, for meshes are not exact.
+
+    ``tilt``: rad; ``level``: of the height, a share of the distance.
+    """
+
+    tilt: float
+    level: float
+
+
+NOISES = Noise(0.037, 0.003), Noise(0.075, 0.009)
+"""Those of ``ycb`` and of ``lmo`` (``python benchmarks/planes.py KB DATASET``): an image's bodies have the one or the
+other."""
+
+
 class Known(NamedTuple):
-    """A ``plane``, and the ``covariance`` (3, 3) of its tilts about ``along_plane(up)``, rad, and of its height, m."""
+    """A ``plane``, and the ``covariance`` (3, 3) of its tilts about ``along_plane(up)``, rad, and of its height, m.
+
+    ``noise``: that of the bodies that stand on it.
+    """
 
     plane: Plane
     covariance: Floats
+    noise: Noise = NOISES[-1]
 
 
 def ways(body: int, faces: RestingFaces, pose: Floats, middle: Floats, tilt: float, spread: Floats) -> Stands:
@@ -116,6 +135,17 @@ def log_ratios(stands: Stands, plane: Plane) -> Floats:
     return np.asarray(-0.5 * squares - _volumes(stands) - log_free(plane.offset))
 
 
+def log_level(stands: Stands, plane: Plane) -> Floats:
+    """(N,) ln of how much likelier each way is of a body that is level above a plane, at any height up to the camera.
+
+    Over a free one.
+    """
+    tilted, above = off(stands, plane)
+    squares = (tilted**2).sum(axis=1) / stands.tilt**2
+    level = -0.5 * squares - np.log(2.0 * np.pi) - 2.0 * np.log(stands.tilt) - np.log(plane.offset)
+    return np.where(above > -2.0 * stands.high, level - log_free(plane.offset), -np.inf)
+
+
 def log_peaks(stands: Stands) -> Floats:
     """(N,) ln ρ of each way of standing on the very plane that it fixes."""
     offset = np.maximum(-(stands.up * stands.foot).sum(axis=1), 1e-9)
@@ -126,11 +156,11 @@ def _volumes(stands: Stands) -> Floats:
     return np.asarray(1.5 * np.log(2.0 * np.pi) + 2.0 * np.log(stands.tilt) + np.log(stands.high))
 
 
-def fitted(stands: Stands, share: Floats, plane: Plane) -> Known:
-    """The plane near one on which these stand, each counted by its ``share`` (N,)."""
+def fitted(stands: Stands, share: Floats, plane: Plane, level: Floats | float = 0.0) -> Known:
+    """The plane near one on which these stand, each counted by its ``share`` (N,); or ``level`` (N,) above it."""
     tilted, above = off(stands, plane)
     axes = along_plane(plane.up)
-    by_tilt, by_height = share / stands.tilt**2, share / stands.high**2
+    by_tilt, by_height = (share + level) / stands.tilt**2, share / stands.high**2
     # a plane of the steps (a, b, c) has the normal up + a·first + b·second and is c higher
     slope = np.column_stack([stands.foot @ axes, np.ones(len(share))])
     told = (slope * by_height[:, None]).T @ slope + np.diag([by_tilt.sum(), by_tilt.sum(), 0.0])
@@ -144,18 +174,14 @@ def fitted(stands: Stands, share: Floats, plane: Plane) -> Known:
     return Known(new, np.asarray(np.linalg.inv(told)))
 
 
-TILTED, LEVEL = 0.075, 0.009
-"""Standard deviations by which true bodies are off the planes that they stand on: rad, for meshes are not exact, and a
-share of the distance: those of ``lmo``; ``ycb``'s are 0.037 and 0.003 (``python benchmarks/planes.py KB DATASET``)."""
 TIPPED = 0.6
 """Radians beyond which a face is not what a body stands on."""
 
 
 class Contact(NamedTuple):
-    """A ``plane``, with its ``covariance`` (3, 3) as of ``Known``, and the faces of a body that stands on it."""
+    """What is ``known`` of a plane, and the ``faces`` of a body that stands on it."""
 
-    plane: Plane
-    covariance: Floats
+    known: Known
     faces: RestingFaces
 
     def normal(self, pose: Floats, middle: Floats) -> tuple[Floats, Floats]:
@@ -168,27 +194,32 @@ class Contact(NamedTuple):
             return np.zeros((6, 6)), np.zeros(6)
         up, off, sigma = found
         slope = np.zeros((3, 6))
-        slope[:2, :3] = np.cross(up, along_plane(self.plane.up).T)
-        slope[2, 3:] = self.plane.up
+        slope[:2, :3] = np.cross(up, along_plane(self.known.plane.up).T)
+        slope[2, 3:] = self.known.plane.up
         weighed = slope / sigma[:, None] ** 2
         return weighed.T @ slope, -weighed.T @ off
 
     def log_density(self, pose: Floats, middle: Floats) -> float:
         """Ln of how likely a body that stands there is so far off, over the most that can be."""
         found = self._off(pose, middle)
-        return -0.5 * (TIPPED / TILTED) ** 2 if found is None else -0.5 * float(((found[1] / found[2]) ** 2).sum())
+        return (
+            -0.5 * (TIPPED / self.known.noise.tilt) ** 2
+            if found is None
+            else -0.5 * float(((found[1] / found[2]) ** 2).sum())
+        )
 
     def _off(self, pose: Floats, middle: Floats) -> tuple[Floats, Floats, Floats] | None:
         """The normal (3,) of the face nearest to the plane; two tilts and a height (3,), and how well each is known."""
         if not len(self.faces.reach):
             return None
+        plane, covariance, noise = self.known
         ups = -self.faces.down @ pose[:3, :3].T
-        face = int(np.argmax(ups @ self.plane.up))
-        if ups[face] @ self.plane.up < np.cos(TIPPED):
+        face = int(np.argmax(ups @ plane.up))
+        if ups[face] @ plane.up < np.cos(TIPPED):
             return None
-        axes, here = along_plane(self.plane.up), pose[:3, :3] @ middle + pose[:3, 3]
-        high = float(self.plane.height(here)) - float(self.faces.reach[face] - self.faces.down[face] @ middle)
+        axes, here = along_plane(plane.up), pose[:3, :3] @ middle + pose[:3, 3]
+        high = float(plane.height(here)) - float(self.faces.reach[face] - self.faces.down[face] @ middle)
         slope = np.append(here @ axes, 1.0)
-        level = np.hypot(LEVEL * np.linalg.norm(here), np.sqrt(slope @ self.covariance @ slope))
-        tilted = np.sqrt(TILTED**2 + np.diag(self.covariance)[:2])
+        level = np.hypot(noise.level * np.linalg.norm(here), np.sqrt(slope @ covariance @ slope))
+        tilted = np.sqrt(noise.tilt**2 + np.diag(covariance)[:2])
         return ups[face], np.append(ups[face] @ axes, high), np.append(tilted, level)

@@ -8,7 +8,7 @@ how likely it is that one of it is there, and stands or is free, tells a plane f
 * ``Believed``: one plane, ``Believed(known, log_prior, factors)``; ``Supported``: all of an image
 """
 
-from collections.abc import Collection, Mapping, Sequence
+from collections.abc import Callable, Collection, Mapping, Sequence
 from typing import NamedTuple, Protocol
 
 import numpy as np
@@ -16,14 +16,15 @@ import numpy as np
 from geometry.arrays import Floats, Ints
 from geometry.bodies.resting import Plane, RestingFaces, along_plane
 from geometry.bodies.standing import (
-    LEVEL,
-    TILTED,
+    NOISES,
     Known,
+    Noise,
     Stands,
     alike,
     fitted,
     joined,
     log_free,
+    log_level,
     log_peaks,
     log_ratios,
     ways,
@@ -40,8 +41,6 @@ NONE = 0.2
 TILT, DEPTH, ASIDE = 0.12, 0.03, 0.01
 """Standard deviations of a pose by pixels: its tilt, rad, and shares of its distance along the sight and across;
 assumed, a little more than what outlines leave free."""
-INEXACT = 0.02, 0.004
-"""Those of poses by features that these do not tell: radians, and a share of the distance."""
 STANDS = 0.5
 """Probability from which something is told to stand on a plane."""
 BY_CHANCE = 0.12
@@ -50,6 +49,8 @@ BY_CHANCE = 0.12
 does always."""
 STACKED = 0.2
 """P(what rests stands on another of Δh), where there is one that it may stand on: assumed."""
+RAISED = 0.1
+"""P(what rests stands on something that nobody knows, level above the plane): assumed."""
 LEAST = 0.2
 """Probability from which what stands on a plane may carry others."""
 MOST = 4
@@ -65,7 +66,7 @@ class Bodies(NamedTuple):
 
     ``names`` (B) of their types; ``stands``: the ways in which each may stand; ``chance`` (B,): P(its pose would stand
     as it does, were it not there). ``most`` (B,) is 1, or of what was looked for on a plane, for which to stand exactly
-    there says nothing, by how much that would make its pose likelier.
+    there says nothing, by how much that would make its pose likelier. ``noise`` is in ``stands``.
     """
 
     names: tuple[str, ...]
@@ -74,6 +75,7 @@ class Bodies(NamedTuple):
     stands: Stands
     chance: Floats
     most: Floats
+    noise: Noise = NOISES[-1]
 
     @property
     def present(self) -> Floats:
@@ -101,8 +103,9 @@ class Believed(NamedTuple):
 class Supported(NamedTuple):
     """The planes of an image, best first, and the ``probability`` (P + 2,) of each, of another one, and of none.
 
-    ``worth`` (B,): what standing there, or not, adds to the log-odds of each body, given all others. Logarithms:
-    ``prior`` (P + 2,), and ``told`` (P + 2, K), what each kind of bodies, of ``types`` (K), tells of each.
+    ``noise``: of the bodies; ``evidence``: ln of how likely all of it is with that, but for what is the same with
+    another. ``worth`` (B,): what standing there, or not, adds to the log-odds of each body, given all others.
+    Logarithms: ``prior`` (P + 2,), and ``told`` (P + 2, K), what each kind of bodies, of ``types`` (K), tells of each.
     """
 
     planes: tuple[Believed, ...]
@@ -111,6 +114,8 @@ class Supported(NamedTuple):
     prior: Floats
     told: Floats
     types: tuple[str, ...]
+    noise: Noise
+    evidence: float
 
     def without(self, types: Collection[str]) -> Floats:
         """(P + 2,) the probability of each by all that is not of these types."""
@@ -120,15 +125,35 @@ class Supported(NamedTuple):
         return np.asarray(weight / weight.sum())
 
 
+def nothing_known(_: Hypothesis) -> float:
+    """The log-odds of what is as likely there as not, before its pixels."""
+    return 0.0
+
+
 class Setting(NamedTuple):
-    """What poses are judged by: the types' models by name, the camera, and the knowledge base."""
+    """What poses are judged by: the types' models by name, the camera, and the knowledge base.
+
+    ``before``: the log-odds that it is there, of a hypothesis whose pixels were looked at, before they were.
+    """
 
     models: Mapping[str, TypeModel]
     camera: Camera
     kb: KnowledgeBase
+    before: Callable[[Hypothesis], float] = nothing_known
 
 
-def bodies_of(accepted: Sequence[Hypothesis], proposed: Sequence[Hypothesis], setting: Setting) -> Bodies:
+def abduced(
+    accepted: Sequence[Hypothesis], proposed: Sequence[Hypothesis], setting: Setting, rests: float
+) -> tuple[Bodies, Supported]:
+    """Those of Δi and proposals, with the noise that makes them likeliest, and their planes."""
+    some = [bodies_of(accepted, proposed, setting, noise) for noise in NOISES]
+    both = ((bodies, supported(bodies, rests)) for bodies in some)
+    return max(both, key=lambda row: row[1].evidence)
+
+
+def bodies_of(
+    accepted: Sequence[Hypothesis], proposed: Sequence[Hypothesis], setting: Setting, noise: Noise = NOISES[-1]
+) -> Bodies:
     """Those of Δi, each there for itself or a rival in its place, and proposals, of a type one at most besides."""
     some = [*accepted, *proposed]
     kinds = [f"{k} " for k in range(len(accepted))]
@@ -136,8 +161,8 @@ def bodies_of(accepted: Sequence[Hypothesis], proposed: Sequence[Hypothesis], se
         rivals = (k for k, other in zip(kinds, accepted, strict=False) if _one_of_two(other, posed))
         kinds.append(next(rivals, posed.type))
     number = {name: k for k, name in enumerate(dict.fromkeys(kinds))}
-    odds = [posed.surplus - posed.stance for posed in some]
-    stands = [_ways(k, posed, setting) for k, posed in enumerate(some)]
+    odds = [posed.surplus - posed.stance + setting.before(posed) for posed in some]
+    stands = [_ways(k, posed, setting, noise) for k, posed in enumerate(some)]
     chance = [1.0 if posed.put else BY_CHANCE for posed in some]
     rests = setting.kb.rests or 0.0
     most = [_most(ways, rests) if posed.put else 1.0 for posed, ways in zip(some, stands, strict=True)]
@@ -148,6 +173,7 @@ def bodies_of(accepted: Sequence[Hypothesis], proposed: Sequence[Hypothesis], se
         joined(stands),
         np.array(chance, float),
         np.array(most, float),
+        noise,
     )
 
 
@@ -175,18 +201,16 @@ class Standing(Protocol):
         ...
 
 
-def _ways(number: int, posed: Hypothesis, setting: Setting) -> Stands:
+def _ways(number: int, posed: Hypothesis, setting: Setting, noise: Noise) -> Stands:
     model, pose = setting.models[posed.type], posed.camera_from_object
     if posed.spread is not None:
-        far = float(np.linalg.norm(pose[:3, :3] @ model.centre + pose[:3, 3]))
-        tilt = float(np.sqrt(np.trace(posed.spread[:3, :3]) / 3.0 + TILTED**2))
-        spread = posed.spread[3:, 3:] + (LEVEL * far) ** 2 * np.eye(3)
-        return ways(number, model.resting, pose, model.centre, tilt, spread)
-    if posed.pixels is not None:
+        told = posed.spread
+    elif posed.pixels is not None:
         return roughly(number, model, pose)
-    told = np.linalg.inv(pose_information(posed, setting.camera, setting.kb))
-    tilt = float(np.sqrt(np.trace(told[:3, :3]) / 3.0 + INEXACT[0] ** 2))
-    level = (INEXACT[1] * float(np.linalg.norm(pose[:3, :3] @ model.centre + pose[:3, 3]))) ** 2 * np.eye(3)
+    else:
+        told = np.asarray(np.linalg.inv(pose_information(posed, setting.camera, setting.kb)))
+    tilt = float(np.sqrt(np.trace(told[:3, :3]) / 3.0 + noise.tilt**2))
+    level = (noise.level * float(np.linalg.norm(pose[:3, :3] @ model.centre + pose[:3, 3]))) ** 2 * np.eye(3)
     return ways(number, model.resting, pose, model.centre, tilt, told[3:, 3:] + level)
 
 
@@ -207,7 +231,7 @@ def supported(bodies: Bodies, rests: float) -> Supported:
     planes = _abduced(bodies, rests) if number else []
     if not planes:
         nothing = np.array([1.0 - NONE, NONE])
-        return Supported((), nothing, np.zeros(number), np.log(nothing), np.zeros((2, 0)), ())
+        return Supported((), nothing, np.zeros(number), np.log(nothing), np.zeros((2, 0)), (), bodies.noise, 0.0)
     shares = np.array([plane.log_prior for plane in planes])
     elsewhere = np.log(max(1.0 - NONE - float(np.exp(shares).sum()), 1e-12))
     prior = np.array([*shares, elsewhere, np.log(NONE)])
@@ -223,7 +247,8 @@ def supported(bodies: Bodies, rests: float) -> Supported:
     worth = present - np.where(put, 0.0, by_chance)
     first = np.unique(bodies.kind, return_index=True)[1]
     types = tuple(bodies.names[body] for body in first)
-    return Supported(tuple(planes), probability, worth, prior, np.log(of_kind), types)
+    told, evidence = np.log(of_kind), float(logsumexp(logs))
+    return Supported(tuple(planes), probability, worth, prior, told, types, bodies.noise, evidence)
 
 
 def _abduced(bodies: Bodies, rests: float) -> list[Believed]:
@@ -233,13 +258,14 @@ def _abduced(bodies: Bodies, rests: float) -> list[Believed]:
     found: list[tuple[float, Believed]] = []
     for start in np.argsort(-likely, kind="stable")[:STARTS]:
         up = stands.up[start]
-        plane = Plane(up, -float(up @ stands.foot[start]))
-        if any(alike(plane, other.known.plane) for _, other in found):
-            continue
-        known = _settled(bodies, plane, start, rests)
-        if known is not None and not any(alike(known.plane, other.known.plane) for _, other in found):
+        known = _settled(bodies, Plane(up, -float(up @ stands.foot[start])), start, rests)
+        if known is not None:
             found.append(_weighed(bodies, known, there, rests))
-    return [plane for _, plane in sorted(found, key=lambda row: -row[0])]
+    kept: list[Believed] = []
+    for _, plane in sorted(found, key=lambda row: -row[0]):
+        if not any(alike(plane.known.plane, other.known.plane) for other in kept):
+            kept.append(plane)
+    return kept
 
 
 def _settled(bodies: Bodies, plane: Plane, start: int, rests: float) -> Known | None:
@@ -252,7 +278,8 @@ def _settled(bodies: Bodies, plane: Plane, start: int, rests: float) -> Known | 
         before = known.plane
         if before.offset <= 0.0:
             return None
-        known = fitted(bodies.stands, _shares(bodies, before, there, rests), before)
+        share, level = _shares(bodies, before, there, rests)
+        known = fitted(bodies.stands, share, before, level)
         if np.abs(known.plane.up - before.up).max() < STILL and abs(known.plane.offset / before.offset - 1.0) < STILL:
             break
     return known if known.plane.offset > 0.0 else None
@@ -263,31 +290,35 @@ def _free(bodies: Bodies, rests: float) -> Floats:
     return (1.0 - rests) / bodies.most
 
 
-def _factors(bodies: Bodies, plane: Plane, rests: float) -> tuple[Floats, Floats]:
-    """(B,) how much likelier each pose is where the plane holds, and (N,) each way's part of it.
+def _factors(bodies: Bodies, plane: Plane, rests: float) -> tuple[Floats, Floats, Floats]:
+    """(B,) how much likelier each pose is where the plane holds, and (N,) each way's part of it: on it, and above it.
 
     What was looked for on a plane is as likely as it stands on this one: how exactly, its pixels and contact said.
     """
     of = bodies.stands.body
-    parts = rests * bodies.stands.chance * np.exp(np.minimum(log_ratios(bodies.stands, plane), 50.0))
-    told = np.bincount(of, parts, minlength=len(bodies.kind))
-    most = np.where(bodies.most > 1.0, 1.0 - rests + told, 1.0)
-    return np.asarray(_free(bodies, rests) + told / most), parts / most[of]
+    put = bodies.most > 1.0
+    both = np.exp(np.minimum([log_ratios(bodies.stands, plane), log_level(bodies.stands, plane)], 50.0))
+    on, above = np.array([[1.0 - RAISED], [RAISED]]) * rests * bodies.stands.chance * both
+    above[put[of]] = 0.0
+    told = np.bincount(of, on + above, minlength=len(bodies.kind))
+    most = np.where(put, 1.0 - rests + told, 1.0)
+    return np.asarray(_free(bodies, rests) + told / most), on / most[of], above / most[of]
 
 
 def standing_on(bodies: Bodies, plane: Plane, rests: float) -> Floats:
     """(B,) P(each stands on a plane, given that it is there and that the plane is)."""
-    factors, _ = _factors(bodies, plane, rests)
-    told = factors - _free(bodies, rests)
-    return np.where(bodies.most > 1.0, told, told / factors)
+    factors, on, _ = _factors(bodies, plane, rests)
+    told = np.bincount(bodies.stands.body, on, minlength=len(factors))
+    return np.asarray(np.where(bodies.most > 1.0, told, told / factors))
 
 
-def _shares(bodies: Bodies, plane: Plane, there: Floats, rests: float) -> Floats:
-    """(N,) P(each way of standing is how its body stands), where the plane holds."""
-    factors, parts = _factors(bodies, plane, rests)
+def _shares(bodies: Bodies, plane: Plane, there: Floats, rests: float) -> tuple[Floats, Floats]:
+    """(N,) P(each way of standing is how its body stands), where the plane holds: on it, and above it."""
+    factors, *parts = _factors(bodies, plane, rests)
     of_kind = 1.0 - bodies.sums(there) + bodies.sums(there * factors)
     of = bodies.stands.body
-    return np.asarray(there[of] * parts / of_kind[bodies.kind[of]])
+    on, above = there[of] * np.array(parts) / of_kind[bodies.kind[of]]
+    return on, above
 
 
 def _stacked(bodies: Bodies, plane: Plane, shares: Floats) -> Floats:
@@ -307,11 +338,12 @@ def _stacked(bodies: Bodies, plane: Plane, shares: Floats) -> Floats:
 
 def _weighed(bodies: Bodies, known: Known, there: Floats, rests: float) -> tuple[float, Believed]:
     """How much all bodies speak for a plane; and what they do."""
-    shares = _shares(bodies, known.plane, there, rests)
+    shares, _ = _shares(bodies, known.plane, there, rests)
     factors = _factors(bodies, known.plane, rests)[0] + rests * STACKED * _stacked(bodies, known.plane, shares)
     volume = 1.5 * np.log(2.0 * np.pi) + 0.5 * float(np.linalg.slogdet(known.covariance)[1])
     log_prior = float(np.log(1.0 - NONE) + min(0.0, float(log_free(known.plane.offset)) + volume))
     of_kind = 1.0 - bodies.sums(there) + bodies.sums(there * factors)
     stands = np.bincount(bodies.stands.body, shares, minlength=len(factors))
     by = tuple(name for name, share in zip(bodies.names, stands, strict=True) if share > STANDS)
-    return log_prior + float(np.log(of_kind).sum()), Believed(known, log_prior, factors, by)
+    told = known._replace(noise=bodies.noise)
+    return log_prior + float(np.log(of_kind).sum()), Believed(told, log_prior, factors, by)

@@ -15,7 +15,7 @@ from geometry.bodies.resting import Plane, along_plane
 from geometry.bodies.standing import Known, Stands, log_ratios
 from geometry.frames import transform_points
 from plogic.base.walk import by_key
-from plogic.cycle.planes import MOST, STACKED, Bodies, Setting, Supported, bodies_of, supported
+from plogic.cycle.planes import MOST, STACKED, Bodies, Setting, Supported, abduced, bodies_of
 from plogic.facts.hypothesis import Hypothesis
 from plogic.facts.stances import Row, Stance, Support, SupportPlane
 
@@ -44,11 +44,11 @@ class _Way(NamedTuple):
 
 
 def support_of_view(
-    posed: Mapping[str, Hypothesis], setting: Setting, abduced: Supported | None = None
+    posed: Mapping[str, Hypothesis], setting: Setting, told_by: Supported | None = None
 ) -> Support | None:
     """Of Δh, by id; None where nobody said that things rest, or how types may stand.
 
-    ``abduced``: what all proposals told of planes, where that is known: what those tell that are not in Δh is the
+    ``told_by``: what all proposals told of planes, where that is known: what those tell that are not in Δh is the
     planes' prior.
     """
     rests = setting.kb.rests
@@ -56,8 +56,11 @@ def support_of_view(
         return None
     names = sorted(posed, key=lambda name: posed[name].status != "accepted")
     accepted = [posed[name] for name in names if posed[name].status == "accepted"]
-    bodies = bodies_of(accepted, [posed[name] for name in names[len(accepted) :]], setting)
-    found = supported(bodies, rests) if abduced is None else abduced
+    rivals = [posed[name] for name in names[len(accepted) :]]
+    if told_by is None:
+        bodies, found = abduced(accepted, rivals, setting, rests)
+    else:
+        bodies, found = bodies_of(accepted, rivals, setting, told_by.noise), told_by
     prior = found.without({some.type for some in posed.values()})
     some = [k for k in range(len(found.planes)) if found.probability[k] > HARDLY][:MOST]
     planes = {f"s{n}": found.planes[k].known for n, k in enumerate(some, 1)}

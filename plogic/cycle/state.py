@@ -27,6 +27,7 @@ from plogic.match.gamma.data import Data
 from plogic.match.judged.rivals import claims, same_place
 from plogic.match.judged.type_models import Request, Search
 from plogic.match.kinds import Models
+from plogic.match.learned.convincing import THERE
 
 
 @dataclass(frozen=True)
@@ -124,7 +125,11 @@ class Task:
     @property
     def setting(self) -> Setting:
         """What its poses are judged by."""
-        return Setting(self.models, self.data.camera, self.kb)
+        return Setting(self.models, self.data.camera, self.kb, self.before)
+
+    def before(self, hypothesis: Hypothesis) -> float:
+        """The log-odds that it is there, before its pixels are looked at, as far as these were; else they count all."""
+        return 0.0 if hypothesis.pixels is None else float(np.log(THERE)) - self.demanded(hypothesis)
 
     @property
     def reach(self) -> tuple[float, float]:

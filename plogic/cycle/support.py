@@ -20,7 +20,7 @@ from geometry.bodies.resting import Plane
 from geometry.bodies.standing import joined
 from kb.clouds.cloud import UNKNOWN_SUPPORT
 from plogic.cycle.judging import judge, surplus_beside
-from plogic.cycle.planes import STANDS, Bodies, Setting, Standing, bodies_of, roughly, standing_on, supported
+from plogic.cycle.planes import STANDS, Bodies, Setting, Standing, Supported, abduced, roughly, standing_on, supported
 from plogic.cycle.state import Proposal, State, Task
 from plogic.facts.hypothesis import Hypothesis
 from plogic.match.gamma.data import Data
@@ -47,9 +47,8 @@ def support_of(accepted: Sequence[Hypothesis], setting: Setting) -> Support | No
     """The plane below the camera on which most of these objects stand; None where no two do, or nothing rests."""
     if setting.kb.rests is None:
         return None
-    return _agreed(
-        bodies_of([posed.told(surplus=SURE, stance=0.0) for posed in accepted], [], setting), setting.kb.rests
-    )
+    sure = [posed.told(surplus=SURE, stance=0.0) for posed in accepted]
+    return _agreed(*abduced(sure, [], setting, setting.kb.rests), setting.kb.rests)
 
 
 def plane_under(posed: Sequence[tuple[Standing, Floats]], rests: float = RESTS) -> Support | None:
@@ -57,11 +56,11 @@ def plane_under(posed: Sequence[tuple[Standing, Floats]], rests: float = RESTS) 
     stands = joined([roughly(k, body, pose) for k, (body, pose) in enumerate(posed)])
     number = len(posed)
     sure, names = np.full(number, SURE), tuple(map(str, range(number)))
-    return _agreed(Bodies(names, np.arange(number), sure, stands, np.zeros(number), np.ones(number)), rests)
+    bodies = Bodies(names, np.arange(number), sure, stands, np.zeros(number), np.ones(number))
+    return _agreed(bodies, supported(bodies, rests), rests)
 
 
-def _agreed(bodies: Bodies, rests: float) -> Support | None:
-    found = supported(bodies, rests)
+def _agreed(bodies: Bodies, found: Supported, rests: float) -> Support | None:
     if not found.planes or found.probability[0] < STANDS:
         return None
     plane = found.planes[0].known.plane
@@ -75,7 +74,7 @@ def leaning(task: Task, state: State) -> State:
     proposed = [proposal.hypothesis for proposal in state.proposals]
     if rests is None or not (proposed or state.accepted):
         return state
-    found = supported(bodies_of(state.accepted, proposed, task.setting), rests)
+    _, found = abduced(state.accepted, proposed, task.setting, rests)
     told = [_leans(h, float(worth)) for h, worth in zip((*state.accepted, *proposed), found.worth, strict=True)]
     for models, search in task.searches:
         best: dict[str, float] = {}
@@ -122,8 +121,7 @@ def settled_down(task: Task, state: State) -> State:
     """
     if task.kb.rests is None or len(state.accepted) < FEWEST:
         return state
-    bodies = bodies_of(state.accepted, [], task.setting)
-    found = supported(bodies, task.kb.rests)
+    bodies, found = abduced(state.accepted, [], task.setting, task.kb.rests)
     if not found.planes or found.probability[0] < STANDS:
         return state
     known, some = found.planes[0].known, list(state.accepted)

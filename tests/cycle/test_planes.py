@@ -45,7 +45,7 @@ def bodies(poses, odds, kinds=None, tilt=0.05, spread=SPREAD, chance=0.0, put=()
 def test_one_alone_keeps_its_probability(seed, odds):
     rng = np.random.default_rng(seed)
     found = supported(bodies([pose(*rng.uniform(-0.2, 0.2, 2), rng.uniform(0, 6))], [odds]), RESTS)
-    assert found.worth[0] == pytest.approx(0.0, abs=0.05)
+    assert found.worth[0] == pytest.approx(0.0, abs=0.1)
 
 
 @settings(max_examples=20, deadline=None, derandomize=True)
@@ -84,7 +84,9 @@ def test_what_stands_on_another_gains_as_well():
     aside = supported(bodies([*poses[:3], pose(0.1, -0.1, 0.5, 0.06)], [4.0] * 4, **SHARP), RESTS)
     assert found.planes[0].by == ("t0", "t1", "t2")
     assert found.worth[3] > 2.0
-    assert aside.worth[3] == pytest.approx(np.log(1.0 - RESTS), abs=0.1)
+    assert found.worth[3] - 1.0 > aside.worth[3] > 2.0  # level, but on nothing that is known
+    leaning = supported(bodies([*poses[:3], pose(0.1, -0.1, 0.5, 0.06, 0.5)], [4.0] * 4, **SHARP), RESTS)
+    assert leaning.worth[3] == pytest.approx(np.log(1.0 - RESTS), abs=0.1)
 
 
 def test_rivals_of_one_type_do_not_speak_for_a_plane_together():

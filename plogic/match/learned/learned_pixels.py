@@ -191,7 +191,7 @@ def stood(
     if crop is None:
         return posed
     trust = trusted([fit_of(crop, index.paint, posed.camera_from_object)])
-    contact = Contact(*known, index.resting)
+    contact = Contact(known, index.resting)
     moved = settled(crop, index.paint, posed.camera_from_object, exact(trust), contact)
     some = [posed.camera_from_object, moved]
     fits = [fit_of(crop, index.paint, pose, whole=True) for pose in some]

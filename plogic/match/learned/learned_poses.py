@@ -224,7 +224,7 @@ def resting(
     best, worth = _rested(index, known.plane, data, kb, taken)
     if data.photo is not None and index.paint is not None:
         seen = seen[clear_of(taken, index, seen)]
-        contact = Contact(*known, index.resting)
+        contact = Contact(known, index.resting)
         return by_pixels(index, best, worth, data, kb, before=before, seen=seen, contact=contact)
     return settled_best(index, best[worth >= WORTHLESS], data, kb, VERIFIED_RESTING)
 

@@ -73,7 +73,7 @@ def test_what_is_above_or_tilted_is_less_likely_to_stand_there():
 @given(st.integers(0, 9999))
 def test_contact_is_the_slope_of_its_density(seed):
     rng = np.random.default_rng(seed)
-    contact = Contact(TABLE, np.diag([1e-4, 1e-4, 1e-6]), FACES)
+    contact = Contact(Known(TABLE, np.diag([1e-4, 1e-4, 1e-6])), FACES)
     middle = np.array([0.01, -0.02, 0.005])
     pose = moved(on_table(0.05, 0.1, 1.0), middle, np.concatenate([rng.normal(0, 0.02, 3), rng.normal(0, 0.005, 3)]))
     told, slope = contact.normal(pose, middle)
@@ -90,7 +90,7 @@ def test_contact_is_the_slope_of_its_density(seed):
 
 
 def test_what_lies_on_no_face_is_not_moved():
-    contact = Contact(TABLE, np.zeros((3, 3)), FACES)
+    contact = Contact(Known(TABLE, np.zeros((3, 3))), FACES)
     leaning = on_table(0.0, 0.0)
     leaning[:3, :3] = leaning[:3, :3] @ turn_about([1.0, 0.0, 0.0], np.radians(42.0))
     told, slope = contact.normal(leaning, np.zeros(3))
