@@ -57,6 +57,8 @@ MOST = 4
 """Planes that are told of in one image."""
 STARTS = 16
 """Ways of standing that planes are sought from, the likeliest."""
+EXACT = 1.0
+"""What a way of standing may be less likely on a plane than on its own, in logarithms, so that it leads there again."""
 ROUNDS, STILL = 6, 0.002
 """Times that a plane is fitted at most; what it moves by less than is no move (rad, and a share of its height)."""
 
@@ -256,11 +258,13 @@ def _abduced(bodies: Bodies, rests: float) -> list[Believed]:
     stands, there = bodies.stands, bodies.present
     likely = there[stands.body] * stands.chance
     found: list[tuple[float, Believed]] = []
+    exact, peaks = np.zeros(len(likely), bool), log_peaks(stands)
     for start in np.argsort(-likely, kind="stable")[:STARTS]:
         up = stands.up[start]
-        known = _settled(bodies, Plane(up, -float(up @ stands.foot[start])), start, rests)
+        known = None if exact[start] else _settled(bodies, Plane(up, -float(up @ stands.foot[start])), start, rests)
         if known is not None:
             found.append(_weighed(bodies, known, there, rests))
+            exact |= log_ratios(stands, known.plane) > peaks - EXACT
     kept: list[Believed] = []
     for _, plane in sorted(found, key=lambda row: -row[0]):
         if not any(alike(plane.known.plane, other.known.plane) for other in kept):
