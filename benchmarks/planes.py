@@ -27,7 +27,7 @@ from geometry.bodies.resting import Plane
 from geometry.bodies.standing import Known, log_ratios, off
 from plogic.base.clock import Stopwatch
 from plogic.cycle.delta import Options
-from plogic.cycle.planes import Bodies, Setting, bodies_of, standing_on, supported
+from plogic.cycle.planes import Bodies, Setting, abduced, bodies_of, standing_on, supported
 from plogic.facts.hypothesis import Hypothesis
 from plogic.match.gamma.data import data_of
 from plogic.match.learned.learned_models import LearnedIndex
@@ -59,12 +59,6 @@ class Looked(NamedTuple):
     narrow: list[tuple[float, bool]]
 
 
-def plane_of(bodies: Bodies, rests: float) -> Plane | None:
-    """The likeliest plane."""
-    planes = supported(bodies, rests).planes
-    return planes[0].known.plane if planes else None
-
-
 def off_plane(bodies: Bodies, plane: Plane, rests: float) -> Floats:
     """(N, 2) of those that stand on a plane: the tilt, rad, and the height above it, a share of the distance."""
     rows, stands = [], bodies.stands
@@ -91,16 +85,15 @@ def looked(perceiver: Perceiver, shown: Shown, numbers: dict[str, int]) -> Looke
     neither = {names.get(number) for number in shown.neither}
     every = (*cycle.accepted, *cycle.considered, *cycle.rejected)
     some = [h for h in every if h.pixels is not None and not h.put and h.type not in neither]
-    on = standing_on(bodies_of(some, [], setting), plane, rests) > 0.5
+    on = standing_on(abduced(some, [], setting, rests)[0], plane, rests) > 0.5
     told: dict[bool, list[bool]] = {True: [], False: []}
     for posed, stands in zip(some, on, strict=True):
         told[any(_found(posed, truth, perceiver, shown) for name, truth in known if name == posed.type)].append(
             bool(stands)
         )
-    found = plane_of(bodies_of(cycle.accepted, [], setting), rests) if cycle.accepted else None
-    error = None
-    if found is not None:
-        error = found.turned(plane), abs(found.offset / plane.offset - 1.0)
+    planes = abduced(cycle.accepted, [], setting, rests)[1].planes
+    found = planes[0].known.plane if planes else None
+    error = None if found is None else (found.turned(plane), abs(found.offset / plane.offset - 1.0))
     on_it = supported(bodies, rests).planes[0].known
     narrow = [
         (best.pixels or 0.0, any(_found(best, truth, perceiver, shown) for name, truth in known if name == best.type))

@@ -106,6 +106,12 @@ def ways(body: int, faces: RestingFaces, pose: Floats, middle: Floats, tilt: flo
     )
 
 
+def noisy(stands: Stands, noise: Noise) -> Stands:
+    """The same of bodies that are off what they stand on as well."""
+    far = np.linalg.norm(stands.foot, axis=1)
+    return stands._replace(tilt=np.hypot(stands.tilt, noise.tilt), high=np.hypot(stands.high, noise.level * far))
+
+
 _NO, _NONE, _NOWHERE = np.zeros(0, np.intp), np.zeros(0), np.zeros((0, 3))
 _NOTHING = Stands(_NO, _NO, _NONE, _NOWHERE, _NOWHERE, *4 * [_NONE])
 

@@ -27,6 +27,7 @@ from geometry.bodies.standing import (
     log_level,
     log_peaks,
     log_ratios,
+    noisy,
     ways,
 )
 from geometry.camera import Camera
@@ -68,7 +69,7 @@ class Bodies(NamedTuple):
 
     ``names`` (B) of their types; ``stands``: the ways in which each may stand; ``chance`` (B,): P(its pose would stand
     as it does, were it not there). ``most`` (B,) is 1, or of what was looked for on a plane, for which to stand exactly
-    there says nothing, by how much that would make its pose likelier. ``noise`` is in ``stands``.
+    there says nothing, by how much that would make its pose likelier. ``noise``: what of it is in ``stands``.
     """
 
     names: tuple[str, ...]
@@ -77,7 +78,7 @@ class Bodies(NamedTuple):
     stands: Stands
     chance: Floats
     most: Floats
-    noise: Noise = NOISES[-1]
+    noise: Noise = Noise(0.0, 0.0)
 
     @property
     def present(self) -> Floats:
@@ -105,9 +106,9 @@ class Believed(NamedTuple):
 class Supported(NamedTuple):
     """The planes of an image, best first, and the ``probability`` (P + 2,) of each, of another one, and of none.
 
-    ``noise``: of the bodies; ``evidence``: ln of how likely all of it is with that, but for what is the same with
-    another. ``worth`` (B,): what standing there, or not, adds to the log-odds of each body, given all others.
-    Logarithms: ``prior`` (P + 2,), and ``told`` (P + 2, K), what each kind of bodies, of ``types`` (K), tells of each.
+    ``evidence``: ln of how likely all of it is, over that of free bodies. ``worth`` (B,): what standing there, or
+    not, adds to the log-odds of each body, given all others. Logarithms: ``prior`` (P + 2,), and ``told`` (P + 2, K),
+    what each kind of bodies, of ``types`` (K), tells of each.
     """
 
     planes: tuple[Believed, ...]
@@ -116,7 +117,6 @@ class Supported(NamedTuple):
     prior: Floats
     told: Floats
     types: tuple[str, ...]
-    noise: Noise
     evidence: float
 
     def without(self, types: Collection[str]) -> Floats:
@@ -148,14 +148,20 @@ def abduced(
     accepted: Sequence[Hypothesis], proposed: Sequence[Hypothesis], setting: Setting, rests: float
 ) -> tuple[Bodies, Supported]:
     """Those of Δi and proposals, with the noise that makes them likeliest, and their planes."""
-    some = [bodies_of(accepted, proposed, setting, noise) for noise in NOISES]
-    both = ((bodies, supported(bodies, rests)) for bodies in some)
-    return max(both, key=lambda row: row[1].evidence)
+    bodies = bodies_of(accepted, proposed, setting)
+    some = [with_noise(bodies, noise, rests) for noise in NOISES]
+    return max(((one, supported(one, rests)) for one in some), key=lambda row: row[1].evidence)
 
 
-def bodies_of(
-    accepted: Sequence[Hypothesis], proposed: Sequence[Hypothesis], setting: Setting, noise: Noise = NOISES[-1]
-) -> Bodies:
+def with_noise(bodies: Bodies, noise: Noise, rests: float) -> Bodies:
+    """Bodies whose poses alone are in doubt, off what they stand on as well."""
+    stands, top = noisy(bodies.stands, noise), np.zeros(len(bodies.kind))
+    np.maximum.at(top, stands.body, stands.chance * np.exp(log_peaks(stands)))
+    most = np.where(bodies.chance == 1.0, 1.0 - rests + rests * top, 1.0)
+    return bodies._replace(stands=stands, most=most, noise=noise)
+
+
+def bodies_of(accepted: Sequence[Hypothesis], proposed: Sequence[Hypothesis], setting: Setting) -> Bodies:
     """Those of Δi, each there for itself or a rival in its place, and proposals, of a type one at most besides."""
     some = [*accepted, *proposed]
     kinds = [f"{k} " for k in range(len(accepted))]
@@ -164,24 +170,16 @@ def bodies_of(
         kinds.append(next(rivals, posed.type))
     number = {name: k for k, name in enumerate(dict.fromkeys(kinds))}
     odds = [posed.surplus - posed.stance + setting.before(posed) for posed in some]
-    stands = [_ways(k, posed, setting, noise) for k, posed in enumerate(some)]
+    stands = [_ways(k, posed, setting) for k, posed in enumerate(some)]
     chance = [1.0 if posed.put else BY_CHANCE for posed in some]
-    rests = setting.kb.rests or 0.0
-    most = [_most(ways, rests) if posed.put else 1.0 for posed, ways in zip(some, stands, strict=True)]
     return Bodies(
         tuple(posed.type for posed in some),
         np.array([number[name] for name in kinds], np.intp),
         np.array(odds, float),
         joined(stands),
         np.array(chance, float),
-        np.array(most, float),
-        noise,
+        np.ones(len(some)),
     )
-
-
-def _most(stands: Stands, rests: float) -> float:
-    """By how much likelier the pose of a body is where it stands exactly on a plane, the likeliest way."""
-    return 1.0 - rests + rests * float((stands.chance * np.exp(log_peaks(stands))).max(initial=0.0))
 
 
 def _one_of_two(one: Hypothesis, other: Hypothesis) -> bool:
@@ -203,7 +201,7 @@ class Standing(Protocol):
         ...
 
 
-def _ways(number: int, posed: Hypothesis, setting: Setting, noise: Noise) -> Stands:
+def _ways(number: int, posed: Hypothesis, setting: Setting) -> Stands:
     model, pose = setting.models[posed.type], posed.camera_from_object
     if posed.spread is not None:
         told = posed.spread
@@ -211,9 +209,8 @@ def _ways(number: int, posed: Hypothesis, setting: Setting, noise: Noise) -> Sta
         return roughly(number, model, pose)
     else:
         told = np.asarray(np.linalg.inv(pose_information(posed, setting.camera, setting.kb)))
-    tilt = float(np.sqrt(np.trace(told[:3, :3]) / 3.0 + noise.tilt**2))
-    level = (noise.level * float(np.linalg.norm(pose[:3, :3] @ model.centre + pose[:3, 3]))) ** 2 * np.eye(3)
-    return ways(number, model.resting, pose, model.centre, tilt, told[3:, 3:] + level)
+    tilt = float(np.sqrt(np.trace(told[:3, :3]) / 3.0))
+    return ways(number, model.resting, pose, model.centre, tilt, told[3:, 3:])
 
 
 def roughly(number: int, model: Standing, pose: Floats) -> Stands:
@@ -233,11 +230,12 @@ def supported(bodies: Bodies, rests: float) -> Supported:
     planes = _abduced(bodies, rests) if number else []
     if not planes:
         nothing = np.array([1.0 - NONE, NONE])
-        return Supported((), nothing, np.zeros(number), np.log(nothing), np.zeros((2, 0)), (), bodies.noise, 0.0)
+        return Supported((), nothing, np.zeros(number), np.log(nothing), np.zeros((2, 0)), (), 0.0)
     shares = np.array([plane.log_prior for plane in planes])
     elsewhere = np.log(max(1.0 - NONE - float(np.exp(shares).sum()), 1e-12))
     prior = np.array([*shares, elsewhere, np.log(NONE)])
-    neither = _free(bodies, rests), 1.0 / bodies.most
+    elsewhere_too = np.where(put, _free(bodies, rests), 1.0 - rests + rests * RAISED)  # or level above that plane
+    neither = elsewhere_too, 1.0 / bodies.most
     factors = np.stack([*(plane.factors for plane in planes), *neither])
     there = bodies.present
     of_kind = 1.0 - bodies.sums(there) + np.stack([bodies.sums(there * row) for row in factors])
@@ -250,7 +248,7 @@ def supported(bodies: Bodies, rests: float) -> Supported:
     first = np.unique(bodies.kind, return_index=True)[1]
     types = tuple(bodies.names[body] for body in first)
     told, evidence = np.log(of_kind), float(logsumexp(logs))
-    return Supported(tuple(planes), probability, worth, prior, told, types, bodies.noise, evidence)
+    return Supported(tuple(planes), probability, worth, prior, told, types, evidence)
 
 
 def _abduced(bodies: Bodies, rests: float) -> list[Believed]:

@@ -12,10 +12,10 @@ import shapely
 
 from geometry.arrays import Floats
 from geometry.bodies.resting import Plane, along_plane
-from geometry.bodies.standing import Known, Stands, log_ratios
+from geometry.bodies.standing import NOISES, Known, Stands, log_ratios
 from geometry.frames import transform_points
 from plogic.base.walk import by_key
-from plogic.cycle.planes import MOST, STACKED, Bodies, Setting, Supported, abduced, bodies_of
+from plogic.cycle.planes import MOST, STACKED, Bodies, Setting, Supported, abduced, bodies_of, with_noise
 from plogic.facts.hypothesis import Hypothesis
 from plogic.facts.stances import Row, Stance, Support, SupportPlane
 
@@ -60,7 +60,8 @@ def support_of_view(
     if told_by is None:
         bodies, found = abduced(accepted, rivals, setting, rests)
     else:
-        bodies, found = bodies_of(accepted, rivals, setting, told_by.noise), told_by
+        noise = next((plane.known.noise for plane in told_by.planes), NOISES[0])
+        bodies, found = with_noise(bodies_of(accepted, rivals, setting), noise, rests), told_by
     prior = found.without({some.type for some in posed.values()})
     some = [k for k in range(len(found.planes)) if found.probability[k] > HARDLY][:MOST]
     planes = {f"s{n}": found.planes[k].known for n, k in enumerate(some, 1)}

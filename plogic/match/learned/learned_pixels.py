@@ -190,16 +190,14 @@ def stood(
     crop = crop_of(data.photo, index.paint, posed.camera_from_object, FINE, hiding(near))
     if crop is None:
         return posed
-    trust = trusted([fit_of(crop, index.paint, posed.camera_from_object)])
-    contact = Contact(known, index.resting)
-    moved = settled(crop, index.paint, posed.camera_from_object, exact(trust), contact)
-    some = [posed.camera_from_object, moved]
-    fits = [fit_of(crop, index.paint, pose, whole=True) for pose in some]
-    if ordered(some, fits, index.paint, contact)[0][0][0] is not moved:
+    here, contact = posed.camera_from_object, Contact(known, index.resting)
+    fit = fit_of(crop, index.paint, here)
+    moved = settled(crop, index.paint, here, exact(trusted([fit])), contact)
+    there = fit_of(crop, index.paint, moved, whole=True)
+    if ordered([here, moved], [fit, there], index.paint, contact)[0][0][0] is not moved:
         return posed
-    spread = spread_of(crop, index.paint, moved, fits[1])
-    there = index.settle(moved, data, kb, rounds=0).told(**posed.verdict(), **posed.beyond())
-    return there.told(pixels=fits[1].odds, spread=spread)
+    beyond = {**posed.beyond(), "pixels": there.odds, "spread": spread_of(crop, index.paint, moved, there)}
+    return index.settle(moved, data, kb, rounds=0).told(**posed.verdict(), **beyond)
 
 
 def pictured(index: LearnedIndex, posed: Hypothesis, others: Mapping[str, Hypothesis], data: Data) -> Hypothesis:
