@@ -111,7 +111,7 @@ def looked_for(perceiver: Perceiver, shown: Shown, known: Known) -> Iterator[Hyp
     indices = [some for some in perceiver.models.values() if isinstance(some, LearnedIndex) and some.plain]
     maps = maps_for(indices, data, 1)
     for index in indices:
-        found = resting(index, known, data, kb, nobody, seen=seen_on(index, maps, data, known.plane))
+        found = resting(index, known, data, kb, nobody, seen=seen_on(index, maps, data, [known])[0])
         some = [(h.pixels, h) for _, h in found if h.pixels is not None]
         if some:
             yield max(some, key=lambda row: row[0])[1]

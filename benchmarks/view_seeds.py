@@ -24,6 +24,7 @@ from benchmarks.photos.planes import true_plane
 from benchmarks.photos.score import Posed
 from benchmarks.pixel_odds import paints_of
 from geometry.arrays import Floats
+from geometry.bodies.standing import Known
 from geometry.files.remembered import cache_folder
 from geometry.frames import rotation_angle, transform_points
 from kb.clouds.cloud import ObjectType
@@ -35,7 +36,7 @@ from plogic.run.perceive import Perceiver
 from plogic.run.sources import kb_of
 from sensing.views import search
 from sensing.views.kept import kept_views
-from sensing.views.maps import PhotoMaps
+from sensing.views.maps import PhotoMaps, TypeMaps
 from sensing.views.search import Body, searched, share_maps
 from sensing.views.standing import stood
 
@@ -108,7 +109,9 @@ def main(kb_folder: str, dataset: Path) -> None:
                 poses, _ = searched(maps, shown.camera, body, FIRST[-1])
             else:
                 faces = perceiver.models[names[truth.obj_id]].resting
-                poses, _ = stood(maps, shown.camera, body, plane, faces, FIRST[-1])
+                poses, _ = stood(
+                    TypeMaps(maps, body.views), shown.camera, body, Known(plane, np.eye(3)), faces, FIRST[-1]
+                )
             spent = process_time() - began
             rows.append((rank(poses, truth, kinds[truth.obj_id], body, shown.camera.f), spent))
         return rows

@@ -8,7 +8,8 @@ see planes in from above, and whose height is even in the logarithm.
 
 * ``Stands``: N ways in which bodies may stand, as arrays; ``ways(...)`` those of one body, ``joined`` those of several
 * ``Contact``: what a body stands on, and how exactly: what moves its pose there
-* ``Known``: a plane with its covariance (3, 3): of the tilts about two axes along it, rad, and of its height, m
+* ``Known``: a plane with its covariance (3, 3): of the tilts about two axes along it, rad, and of its height, m; where
+  something is there in a part of it alone, a top, with that ``Area``
 """
 
 from collections.abc import Sequence
@@ -16,7 +17,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from geometry.arrays import Floats, Ints
+from geometry.arrays import Floats, Ints, Mask
 from geometry.bodies.resting import Plane, RestingFaces, along_plane
 
 FAR = float(np.log(100.0))
@@ -69,15 +70,33 @@ NOISES = Noise(0.037, 0.003), Noise(0.075, 0.009)
 other."""
 
 
+class Area(NamedTuple):
+    """The places within ``wide`` m of ``at`` (3,), camera's frame."""
+
+    at: Floats
+    wide: float
+
+    def holds(self, places: Floats, beside: Floats | float = 0.0) -> Mask:
+        """(N,) which of places (N, 3) are in it, or so many metres ``beside`` it."""
+        return np.asarray(np.linalg.norm(places - self.at, axis=1) < self.wide + beside)
+
+
 class Known(NamedTuple):
     """A ``plane``, and the ``covariance`` (3, 3) of its tilts about ``along_plane(up)``, rad, and of its height, m.
 
-    ``noise``: that of the bodies that stand on it.
+    ``noise``: that of the bodies that stand on it; ``area``: where there is something to stand on, None for all of it.
     """
 
     plane: Plane
     covariance: Floats
     noise: Noise = NOISES[-1]
+    area: Area | None = None
+
+    def same(self, other: "Known") -> bool:
+        """Whether two are nearly the same, and in nearly the same place."""
+        if self.area is None or other.area is None:
+            return self.area is other.area and alike(self.plane, other.plane)
+        return alike(self.plane, other.plane) and bool(self.area.holds(other.area.at[None], -0.5 * self.area.wide)[0])
 
 
 def ways(body: int, faces: RestingFaces, pose: Floats, middle: Floats, tilt: float, spread: Floats) -> Stands:
@@ -218,7 +237,7 @@ class Contact(NamedTuple):
         """The normal (3,) of the face nearest to the plane; two tilts and a height (3,), and how well each is known."""
         if not len(self.faces.reach):
             return None
-        plane, covariance, noise = self.known
+        plane, covariance, noise = self.known[:3]
         ups = -self.faces.down @ pose[:3, :3].T
         face = int(np.argmax(ups @ plane.up))
         if ups[face] @ plane.up < np.cos(TIPPED):

@@ -14,7 +14,7 @@ from collections.abc import Callable, Collection, Sequence
 from dataclasses import replace
 from typing import TypeAlias
 
-from plogic.cycle.judging import judge, refusal, rounded, set_aside, surplus_beside
+from plogic.cycle.judging import judge, may_be_accepted, refusal, rounded, set_aside, surplus_beside
 from plogic.cycle.state import Stable, State, Step, Task, among, free, step_of
 from plogic.facts.hypothesis import Hypothesis
 from plogic.match.gamma.data import Data
@@ -232,7 +232,7 @@ def best_first(task: Task, state: State, judged: Sequence[Hypothesis]) -> tuple[
             continue
         better = _tilted(task, state, judge(task, state.accepted, hypothesis, 2), left)
         either = [better] if whole else [better, hypothesis]  # places alone may fit better and lose a match
-        holds = next((h for h in either if refusal(task, state, h) is None), None)
+        holds = next((h for h in either if may_be_accepted(task, state, h)), None)
         if holds is not None:
             return (*state.accepted, holds)
     return state.accepted

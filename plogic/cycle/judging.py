@@ -22,6 +22,7 @@ from plogic.match.judged.rivals import (
     apart_on_screen,
     excludes,
     hidden_among,
+    hides_most,
     in_the_way,
     moved_apart,
     overlap,
@@ -122,6 +123,31 @@ def _excluded(state: State, hypothesis: Hypothesis) -> str | None:
         if shared_claims(hypothesis, other)[1] > SHARED_CLAIMS:
             return "explains the same appearances as an accepted object"
     return None
+
+
+TOUCHING = 0.15
+"""Share of the smaller volume from which two are not beside each other, but in one place."""
+SQUEEZED = 3.0
+"""Standard deviations of its pose by which one that touches others may have to be moved, or they, to be accepted."""
+
+
+def may_be_accepted(task: Task, state: State, hypothesis: Hypothesis) -> bool:
+    """Whether nothing keeps it out of Δi, or volume alone that it shares with others, which little moves undo."""
+    if _unsupported(task, state, hypothesis) is not None:
+        return False
+    return _excluded(state, hypothesis) is None or _touching(task, state, hypothesis)
+
+
+def _touching(task: Task, state: State, hypothesis: Hypothesis) -> bool:
+    if among(hypothesis, state.refused):
+        return False
+    for other in state.accepted:
+        claimed = shared_claims(hypothesis, other)[1] > SHARED_CLAIMS
+        in_one_place = _in_line(hypothesis, other) or overlap(hypothesis, other, TOUCHING)
+        if claimed or in_one_place or hides_most(hypothesis, other):
+            return False
+    some = [*state.accepted, hypothesis]
+    return not moved_apart(some, lambda k: pose_information(some[k], task.data.camera, task.kb), far=SQUEEZED)[1]
 
 
 def _harm(task: Task, accepted: Sequence[Hypothesis], hypothesis: Hypothesis) -> float:
@@ -225,7 +251,8 @@ def making_way(task: Task, state: State, rivals: Sequence[Hypothesis]) -> tuple[
 def _alone(task: Task, state: State, hypothesis: Hypothesis) -> Hypothesis | None:
     """The hypothesis beside the other accepted ones, with the data of those that it would replace.
 
-    None where it explains them worse by far; and, of those that only hide it, where it does not explain more by far.
+    None where it explains them worse by far; of those that only hide it, where it does not explain more by far; and
+    where its pixels would not be enough for it.
     """
     replaced = [h for h in state.accepted if in_the_way(hypothesis, h)]
     if not replaced:
@@ -238,7 +265,8 @@ def _alone(task: Task, state: State, hypothesis: Hypothesis) -> Hypothesis | Non
         return None
     enough = (found.expected(found.hidden) & found.detected).sum() >= FEWEST
     near = found.worth > sum(h.worth for h in replaced) + least
-    return found if enough and found.ev_reconsidered is not None and near else None
+    shown = found.pixels is None or surplus_beside(found, others) > task.demanded(found)
+    return found if enough and found.ev_reconsidered is not None and near and shown else None
 
 
 def _makes_way(task: Task, state: State, rival: Hypothesis) -> Hypothesis | None:

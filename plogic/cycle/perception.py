@@ -19,7 +19,7 @@ from geometry.arrays import Floats, Mask
 from kb.clouds.cloud import KnowledgeBase
 from plogic.base.clock import OutOfTimeError
 from plogic.cycle.choosing import Choice, acceptance, accepted, best_first, chosen, concluded, exchanged, glance, kept
-from plogic.cycle.judging import compared, judge, judged, left_over, making_way, refusal, set_aside
+from plogic.cycle.judging import compared, judge, judged, left_over, making_way, may_be_accepted, refusal, set_aside
 from plogic.cycle.state import Attention, Cycle, State, Step, Task, Trace, among, considered, free, step_of
 from plogic.cycle.support import leaning, settled_down, standing
 from plogic.facts.hypothesis import Hypothesis
@@ -191,7 +191,7 @@ def choose_of_before(task: Task, state: State, choose: Choice) -> Iterator[State
     """Accept earlier proposals that can be accepted, before more is searched for."""
     yield (state := judged(task, state))
     proposed = [proposal.hypothesis for proposal in state.proposals]
-    yield chosen(task, state, [h for h in proposed if refusal(task, state, h) is None], choose)
+    yield chosen(task, state, [h for h in proposed if may_be_accepted(task, state, h)], choose)
 
 
 def match_and_choose(task: Task, state: State, choose: Choice) -> Iterator[State]:

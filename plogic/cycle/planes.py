@@ -54,6 +54,8 @@ RAISED = 0.1
 """P(what rests stands on something that nobody knows, level above the plane): assumed."""
 LEAST = 0.2
 """Probability from which what stands on a plane may carry others."""
+STOREYS = 2
+"""Of things that stand on one another, above what stands on a plane: what is higher is on something unknown."""
 MOST = 4
 """Planes that are told of in one image."""
 STARTS = 16
@@ -203,12 +205,9 @@ class Standing(Protocol):
 
 def _ways(number: int, posed: Hypothesis, setting: Setting) -> Stands:
     model, pose = setting.models[posed.type], posed.camera_from_object
-    if posed.spread is not None:
-        told = posed.spread
-    elif posed.pixels is not None:
+    if posed.pixels is not None and posed.spread is None:
         return roughly(number, model, pose)
-    else:
-        told = np.asarray(np.linalg.inv(pose_information(posed, setting.camera, setting.kb)))
+    told = np.asarray(np.linalg.inv(pose_information(posed, setting.camera, setting.kb)))
     tilt = float(np.sqrt(np.trace(told[:3, :3]) / 3.0))
     return ways(number, model.resting, pose, model.centre, tilt, told[3:, 3:])
 
@@ -323,25 +322,34 @@ def _shares(bodies: Bodies, plane: Plane, there: Floats, rests: float) -> tuple[
     return on, above
 
 
-def _stacked(bodies: Bodies, plane: Plane, shares: Floats) -> Floats:
-    """(B,) how much likelier each pose is on the tops of those that stand on a plane, by their ``shares`` (N,)."""
-    stands, told = bodies.stands, np.zeros(len(bodies.kind))
+def _stacked(bodies: Bodies, plane: Plane, on: Floats, there: Floats, rests: float) -> Floats:
+    """(B,) how much likelier each pose is, by this alone, on the tops of those that stand on a plane, or on such tops.
+
+    ``on`` (N,): P(each way of standing on the plane is how its body stands).
+    """
+    stands, of, total = bodies.stands, bodies.stands.body, np.zeros(len(bodies.kind))
     axes, above = stands.foot @ along_plane(plane.up), plane.height(stands.foot)
-    for lower in np.flatnonzero(shares > LEAST):
-        raised = Plane(plane.up, plane.offset - float(stands.tall[lower]))
-        over = np.linalg.norm(axes - axes[lower], axis=1) < stands.wide[lower]
-        on = over & (above > 0.5 * stands.tall[lower]) & (stands.body != stands.body[lower])
-        if on.any() and raised.offset > 0.0:
-            some = Stands(*(part[on] for part in stands))
-            ratios = np.exp(np.minimum(log_ratios(some, raised), 50.0))
-            told += shares[lower] * np.bincount(some.body, some.chance * ratios, minlength=len(told))
-    return told / bodies.most
+    share, tops = on, stands.tall
+    for _ in range(STOREYS):
+        told = np.zeros(len(of))
+        for lower in np.flatnonzero(share > LEAST):
+            raised = Plane(plane.up, plane.offset - float(tops[lower]))
+            over = np.linalg.norm(axes - axes[lower], axis=1) < stands.wide[lower]
+            here = over & (above > tops[lower] - 0.5 * stands.tall[lower]) & (of != of[lower])
+            if here.any() and raised.offset > 0.0:
+                some = Stands(*(part[here] for part in stands))
+                told[here] += share[lower] * some.chance * np.exp(np.minimum(log_ratios(some, raised), 50.0))
+        told *= rests * STACKED / bodies.most[of]
+        mine = np.bincount(of, told, minlength=len(total))
+        total += mine
+        share, tops = there[of] * told / (_free(bodies, rests) + mine)[of], above + stands.tall
+    return total
 
 
 def _weighed(bodies: Bodies, known: Known, there: Floats, rests: float) -> tuple[float, Believed]:
     """How much all bodies speak for a plane; and what they do."""
     shares, _ = _shares(bodies, known.plane, there, rests)
-    factors = _factors(bodies, known.plane, rests)[0] + rests * STACKED * _stacked(bodies, known.plane, shares)
+    factors = _factors(bodies, known.plane, rests)[0] + _stacked(bodies, known.plane, shares, there, rests)
     volume = 1.5 * np.log(2.0 * np.pi) + 0.5 * float(np.linalg.slogdet(known.covariance)[1])
     log_prior = float(np.log(1.0 - NONE) + min(0.0, float(log_free(known.plane.offset)) + volume))
     of_kind = 1.0 - bodies.sums(there) + bodies.sums(there * factors)

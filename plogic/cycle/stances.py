@@ -12,10 +12,10 @@ import shapely
 
 from geometry.arrays import Floats
 from geometry.bodies.resting import Plane, along_plane
-from geometry.bodies.standing import NOISES, Known, Stands, log_ratios
+from geometry.bodies.standing import NOISES, Known, Stands, log_level, log_ratios
 from geometry.frames import transform_points
 from plogic.base.walk import by_key
-from plogic.cycle.planes import MOST, STACKED, Bodies, Setting, Supported, abduced, bodies_of, with_noise
+from plogic.cycle.planes import MOST, RAISED, STACKED, Bodies, Setting, Supported, abduced, bodies_of, with_noise
 from plogic.facts.hypothesis import Hypothesis
 from plogic.facts.stances import Row, Stance, Support, SupportPlane
 
@@ -71,18 +71,36 @@ def support_of_view(
     mine = zip(names, bodies.chance.tolist(), strict=False)
     by_chance = tuple((name, e) for name, e in mine if posed[name].status == "accepted")  # a rival is no other find
     told = tuple(_told(name, known, float(prior[k])) for k, (name, known) in zip(some, planes.items(), strict=True))
-    return Support(rests, float(prior[-1]), told, tuple(_stances(names, ways, rests)), by_chance)
+    level = tuple(_level(names, bodies, planes, rests))
+    return Support(rests, float(prior[-1]), told, tuple(_stances(names, ways, rests)), by_chance, level)
 
 
 def _stances(names: list[str], ways: list[_Way], rests: float) -> Iterator[Stance]:
-    """The ways, of which those on others share ``STACKED`` among them, and those on a plane have the rest."""
+    """The ways, of which those on others share ``STACKED`` among them, and those on a plane have the rest.
+
+    But for ``RAISED``.
+    """
     stacked = by_key((way.body, way.on) for way in ways if way.on in names)
     for way in ways:
         others = len(set(stacked.get(way.body, ())))
-        share = STACKED / others if way.on in names else 1.0 - STACKED * bool(others)
+        share = STACKED / others if way.on in names else 1.0 - RAISED - STACKED * bool(others)
         chance = rests * share * way.chance
         if chance * np.exp(way.log_ratio) > WORTHLESS:
             yield Stance(names[way.body], way.on, way.face, chance, way.log_ratio)
+
+
+def _level(
+    names: list[str], bodies: Bodies, planes: Mapping[str, Known], rests: float
+) -> Iterator[tuple[str, str, float]]:
+    """By how much likelier each is where it is free, for it may rest level above each plane on something unknown."""
+    if rests == 1.0:
+        return
+    for plane, known in planes.items():
+        ratios = bodies.stands.chance * np.exp(log_level(bodies.stands, known.plane))
+        above = np.bincount(bodies.stands.body, ratios, minlength=len(names)) * rests * RAISED / (1.0 - rests)
+        for name, one, put in zip(names, above, bodies.chance == 1.0, strict=True):
+            if one > WORTHLESS and not put:
+                yield name, plane, float(np.log1p(one))
 
 
 def _on_plane(name: str, stands: Stands, plane: Plane) -> Iterator[_Way]:

@@ -8,7 +8,7 @@ poses; what leans, hangs or lies on something else is found as before, by the se
 * ``support_of(accepted, setting)``: the plane that accepted objects stand on, where two or more do
 """
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from contextlib import closing
 from dataclasses import replace
 from typing import NamedTuple
@@ -17,11 +17,24 @@ import numpy as np
 
 from geometry.arrays import Floats
 from geometry.bodies.resting import Plane
-from geometry.bodies.standing import joined
+from geometry.bodies.standing import Area, Contact, Known, joined, log_ratios, noisy, off
 from kb.clouds.cloud import UNKNOWN_SUPPORT
+from plogic.cycle.choosing import separated
 from plogic.cycle.judging import judge, surplus_beside
-from plogic.cycle.planes import STANDS, Bodies, Setting, Standing, Supported, abduced, roughly, standing_on, supported
-from plogic.cycle.state import Proposal, State, Task
+from plogic.cycle.planes import (
+    STANDS,
+    Bodies,
+    Setting,
+    Standing,
+    Supported,
+    abduced,
+    bodies_of,
+    roughly,
+    standing_on,
+    supported,
+    with_noise,
+)
+from plogic.cycle.state import Proposal, Stable, State, Task
 from plogic.facts.hypothesis import Hypothesis
 from plogic.match.gamma.data import Data
 from plogic.match.judged.type_models import Given
@@ -32,6 +45,8 @@ LIKELY = 0.1
 """Probability from which a plane is searched."""
 RESTS = 1.0 - UNKNOWN_SUPPORT
 """P(a thing rests), where a knowledge base does not say."""
+LEVEL = 3.0
+"""Standard deviations by which what is level may be tilted, and below what it stands on."""
 FEWEST = 2
 """Accepted objects that must stand on a plane for it to say which way is up: one alone could stand on any face."""
 
@@ -100,38 +115,92 @@ def standing(task: Task, state: State, left: Data, given: Given) -> tuple[list[H
     for plane, probability in zip(supports.planes, supports.probability, strict=False) if supports else ():
         if probability < LIKELY:
             break
-        some: list[Hypothesis] = []
-        for _, search in task.searches:
-            with closing(search.standing(plane.known, left, given)) as searches:
-                for rows in searches:
-                    some += [posed.told(put=True) for _, posed in rows]
-                    task.request.check()
+        tops = list(_tops(task, state.accepted, plane.known)) if probability > STANDS else []
+        some = _looked_for(task, [plane.known, *(top for _, top in tops)], left, given)
+        on_tops = f", or on {', '.join(lower.type for lower, _ in tops)}," if tops else ""
         said.append(
             f"{', '.join(plane.by)} stand on a plane (P {probability:.2f}), {plane.known.plane.offset:.2f} m below the "
-            f"camera: {len(some)} poses that stand there are tried"
+            f"camera: {len(some)} poses that stand there{on_tops} are tried"
         )
         found += some
     return found, said
 
 
-def settled_down(task: Task, state: State) -> State:
-    """The state in which each accepted object that stands on the likeliest plane is moved to touch it, about.
+def _looked_for(task: Task, supports: Sequence[Known], left: Data, given: Given) -> list[Hypothesis]:
+    """What is found on a plane, or on tops; what its pixels drew away from there stands as freely as any."""
+    found: list[Hypothesis] = []
+    for _, search in task.searches:
+        with closing(search.standing(supports, left, given)) as searches:
+            for rows in searches:
+                for _, posed in rows:
+                    model = task.models[posed.type]
+                    contacts = (Contact(known, model.resting) for known in supports)
+                    off = max(one.log_density(posed.camera_from_object, model.centre) for one in contacts)
+                    found.append(posed.told(put=off > -0.5 * LEVEL**2))
+                task.request.check()
+    return found
 
-    Its pixels and what it stands on speak together there. What would not be accepted there stays as it was.
+
+def _tops(task: Task, some: Sequence[Hypothesis], known: Known) -> Iterator[tuple[Hypothesis, Known]]:
+    """What is accepted and stands on a plane, or level above it, and its top."""
+    stands = noisy(bodies_of(some, [], task.setting).stands, known.noise)
+    tilted, above = off(stands, known.plane)
+    squares = (tilted**2).sum(axis=1) / stands.tilt**2
+    for body, lower in enumerate(some):
+        own = np.flatnonzero((stands.body == body) & (squares < LEVEL**2) & (above > -LEVEL * stands.high))
+        if len(own):
+            way = own[np.argmin(squares[own])]
+            high = (
+                float(above[way] + stands.tall[way])
+                if above[way] > LEVEL * stands.high[way]
+                else float(stands.tall[way])
+            )
+            plane = Plane(known.plane.up, known.plane.offset - high)
+            at = stands.foot[way] + (high - above[way]) * known.plane.up
+            if plane.offset > 0.0:
+                yield lower, known._replace(plane=plane, area=Area(at, float(stands.wide[way])))
+
+
+def settled_down(task: Task, state: State) -> State:
+    """The state in which each accepted object that stands on the likeliest plane, or on a top, is moved to touch it.
+
+    About: its pixels and what it stands on speak together there, and nothing reaches into another. What would not be
+    accepted there stays as it was.
     """
     if task.kb.rests is None or len(state.accepted) < FEWEST:
         return state
-    bodies, found = abduced(state.accepted, [], task.setting, task.kb.rests)
+    found = abduced(state.accepted, [], task.setting, task.kb.rests)[1]
     if not found.planes or found.probability[0] < STANDS:
         return state
     known, some = found.planes[0].known, list(state.accepted)
-    stands = standing_on(bodies, known.plane, task.kb.rests) > STANDS
-    for one in [one for one, on in zip(state.accepted, stands, strict=True) if on]:
-        others, search = [other for other in some if other is not one], task.search_for(one)
-        moved = one if search is None else search.stood(one, known, others)
-        if moved is one:
-            continue
-        moved = judge(task, others, moved, 0).told(status=one.status, why=one.why)
-        if surplus_beside(moved, others) > task.demanded(moved):
-            some = [moved if other is one else other for other in some]
-    return replace(state, accepted=tuple(some))
+    order = np.argsort([float(known.plane.height(one.middle)) for one in some], kind="stable")
+    for place, k in enumerate(order):
+        lower = [some[j] for j in order[:place]]
+        there = _stands_on(task, some[k], [known, *(top for _, top in _tops(task, lower, known))])
+        if there is not None:
+            some[k] = _set_down(task, some[k], there, [*some[:k], *some[k + 1 :]])
+    apart = separated(task, Stable(tuple(some), tuple(some), ()))
+    return state if apart.rejected else replace(state, accepted=apart.accepted).tells(*apart.steps)
+
+
+def _stands_on(task: Task, one: Hypothesis, supports: Sequence[Known]) -> Known | None:
+    """On which of these a hypothesis stands, most probably, if on any."""
+    rests, most, best = task.kb.rests or 0.0, -np.inf, None
+    for known in supports:
+        bodies = with_noise(bodies_of([one], [], task.setting), known.noise, rests)
+        foot = one.middle - known.plane.height(one.middle) * known.plane.up
+        there = known.area is None or known.area.holds(foot[None])[0]
+        if there and standing_on(bodies, known.plane, rests)[0] > STANDS:
+            ratio = float(log_ratios(bodies.stands, known.plane).max())
+            most, best = max((most, best), (ratio, known), key=lambda row: row[0])
+    return best
+
+
+def _set_down(task: Task, one: Hypothesis, known: Known, others: Sequence[Hypothesis]) -> Hypothesis:
+    """What stands on a plane moved to touch it, as its pixels allow; as it was where it would not be accepted there."""
+    search = task.search_for(one)
+    moved = one if search is None else search.stood(one, known, others)
+    if moved is one:
+        return one
+    moved = judge(task, others, moved, 0).told(status=one.status, why=one.why)
+    return moved if surplus_beside(moved, others) > task.demanded(moved) else one

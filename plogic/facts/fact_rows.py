@@ -195,6 +195,13 @@ class StancesKeys(TypedDict):
 
     stances: NotRequired[Annotated[list[StanceRow], "Its ways to stand."]]
     free: NotRequired[Annotated[Slightly, "Probability that it is present and stands on nothing known."]]
+    level: NotRequired[
+        Annotated[
+            dict[Name, float],
+            "Logarithm of how much likelier its pose is, where it is free, above each plane: it may rest level above it on "
+            "something unknown; 0 where not told.",
+        ]
+    ]
     stands_by_chance: NotRequired[
         Annotated[Chance, "Chance that its pose stands as if it were there, where it is not; 0 where not told."]
     ]

@@ -116,6 +116,13 @@ def _of_support(support: Support, ids: Ids) -> Iterator[str]:
     yield from _unknown("support: by_chance", dict(support.by_chance), ids)
     yield from _twice("support: by_chance", [name for name, _ in support.by_chance])
     yield from _numbers([(f"support: by_chance of {name}", e) for name, e in support.by_chance], 0.0, 1.0)
+    yield from _unknown("support: level", dict.fromkeys(name for name, _, _ in support.level), ids)
+    yield from _unknown(
+        "support: level above", dict.fromkeys(plane for _, plane, _ in support.level), frozenset(planes)
+    )
+    above = [(f"support: level of {name} above {plane}", ratio) for name, plane, ratio in support.level]
+    yield from _twice("support: level", [place for place, _ in above])
+    yield from _numbers(above, 0.0, MOST_TOLD)
     yield from _of_stances(support, ids, frozenset(planes))
 
 

@@ -70,7 +70,9 @@ class Support:
     is none of those named.
 
     ``by_chance``: hypothesis → e, P(its pose stands as if it were there, given that it is not); 0 of those not named.
-    Who is present has a footing, and with probability e who is absent.
+    Who is present has a footing, and with probability e who is absent. ``level``: of a hypothesis and a plane, by how
+    much likelier its pose is where it is free and that plane holds, for it may rest level above it on something unknown
+    (a logarithm, 0 of those not named).
     """
 
     rests: float
@@ -78,13 +80,16 @@ class Support:
     planes: tuple[SupportPlane, ...]
     stances: tuple[Stance, ...]
     by_chance: tuple[tuple[str, float], ...] = ()
+    level: tuple[tuple[str, str, float], ...] = ()
 
     def among(self, kept: Iterable[str]) -> Support:
         """What it says of these hypotheses alone."""
         known = frozenset(kept)
         there = known | {plane.name for plane in self.planes}
         stances = tuple(s for s in self.stances if s.hypothesis in known and s.on in there)
-        return replace(self, stances=stances, by_chance=tuple(row for row in self.by_chance if row[0] in known))
+        by_chance = tuple(row for row in self.by_chance if row[0] in known)
+        level = tuple(row for row in self.level if row[0] in known)
+        return replace(self, stances=stances, by_chance=by_chance, level=level)
 
 
 class Stood(NamedTuple):
@@ -115,6 +120,8 @@ def stances_document(hypothesis: str, support: Support | None, found: Stood | No
     told: StancesKeys = {"stances": rows}
     if hypothesis in found.free:
         told["free"] = found.free[hypothesis]
+    if level := {plane: ratio for name, plane, ratio in support.level if name == hypothesis}:
+        told["level"] = level
     if e := dict(support.by_chance).get(hypothesis):
         told["stands_by_chance"] = e
     return told
@@ -128,7 +135,8 @@ def support_of(document: Interpretation) -> Support | None:
     planes = tuple(_plane(row) for row in document.get("support_planes", ()))
     rows = [h for h in document["hypotheses"] if h["status"] != "rejected"]
     by_chance = tuple((h["id"], float(h["stands_by_chance"])) for h in rows if "stands_by_chance" in h)
-    return Support(float(told["rests"]), float(told["none"]), planes, tuple(_stances(rows)), by_chance)
+    level = tuple((h["id"], plane, float(ratio)) for h in rows for plane, ratio in h.get("level", {}).items())
+    return Support(float(told["rests"]), float(told["none"]), planes, tuple(_stances(rows)), by_chance, level)
 
 
 def _stances(hypotheses: Sequence[HypothesisRow]) -> Iterator[Stance]:

@@ -94,9 +94,20 @@ class TypeMaps:
         self._tables = np.log((1.0 - OTHER) * own / photo.usual + OTHER).astype(np.float32)
         mixed = np.log((1.0 - OTHER) * (views.share @ own) / photo.usual + OTHER)
         self._near = (1.0 / (1.0 + np.exp(-1.5 * mixed))).astype(np.float32)
+        self._stacks: dict[tuple[float, int, int, int], NDArray[np.int8]] = {}
 
-    def stack(self, scale: float, spread: int, every: int) -> NDArray[np.int8]:
-        """(C, h, w) in a scale: of every so many pixels one, of edges the best within ``spread`` pixels about it."""
+    def stack(self, scale: float, spread: int, every: int, pad: int = 0) -> NDArray[np.int8]:
+        """(C, h, w) in a scale: of every so many pixels one, of edges the best within ``spread`` pixels about it.
+
+        ``pad``: so many cells of nothing around it. It is kept.
+        """
+        key = scale, spread, every, pad
+        if key not in self._stacks:
+            made = self._made(scale, spread, every)
+            self._stacks[key] = np.pad(made, ((0, 0), (pad, pad), (pad, pad))) if pad else made
+        return self._stacks[key]
+
+    def _made(self, scale: float, spread: int, every: int) -> NDArray[np.int8]:
         edges, cells = self._photo.edges(scale, spread, every), self._photo.cells(scale)
         near = cv2.GaussianBlur(self._near[cells], (0, 0), 1.0)
         x, y = (cv2.Sobel(near, cv2.CV_32F, *way) / 4.0 for way in ((1, 0), (0, 1)))

@@ -83,7 +83,7 @@ def everywhere(maps: TypeMaps, views: Views) -> Floats:
     laid, rows = spread_over(views.turn[:, 2], LAID), []
     pad = int(np.ceil(COARSE / EVERY))
     for scale in sorted({scale_for(size, COARSE) for size in sizes()}):
-        stack = np.pad(maps.stack(scale, SPREAD, EVERY), ((0, 0), (pad, pad), (pad, pad)))
+        stack = maps.stack(scale, SPREAD, EVERY, pad)
         high, wide = stack.shape[1:]
         block = max(1, min(6, 1400 // wide)) * wide
         for size in (size for size in sizes() if scale_for(size, COARSE) == scale):

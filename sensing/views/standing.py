@@ -1,6 +1,6 @@
 """Poses of a type that its views suggest on a plane: place, turn about the plumb line, and the face that it stands on.
 
-* ``stood(photo, camera, body, plane, faces, most)``: the best of them, no two alike
+* ``stood(maps, camera, body, known, faces, most)``: the best of them, no two alike
 
 A body that stands has three ways to move, not six. Each face, turned by even steps, is laid over every place of the
 photo, in the size that it has there; the best of these climb as those of ``sensing.views.search`` do, and may leave the
@@ -12,10 +12,11 @@ from numpy.typing import NDArray
 
 from geometry.arrays import Floats, Ints
 from geometry.bodies.resting import Plane, RestingFaces, along_plane
+from geometry.bodies.standing import Known
 from geometry.camera import Camera
 from geometry.frames import least_turns, turn_about
 from sensing.views.loops import apart, laid_in
-from sensing.views.maps import UNIT, PhotoMaps, TypeMaps
+from sensing.views.maps import UNIT, TypeMaps
 from sensing.views.search import (
     ALIKE,
     ALIKE_COARSE,
@@ -49,11 +50,11 @@ GRAZING = 0.02
 
 
 def stood(
-    photo: PhotoMaps, camera: Camera, body: Body, plane: Plane, faces: RestingFaces, most: int
+    maps: TypeMaps, camera: Camera, body: Body, known: Known, faces: RestingFaces, most: int
 ) -> tuple[Floats, Floats]:
     """Poses (N, 4, 4) of a type on a plane below the camera and their scores (N,), best first, at most ``most``."""
-    views, maps = body.views, TypeMaps(photo, body.views)
-    seeds = everywhere_on(maps, camera, body, plane, faces)
+    views = body.views
+    seeds = everywhere_on(maps, camera, body, known, faces)
     turns = turns_of(seeds, views)
     rows = climbing(maps, views, seeds[apart(seeds[:, 2:5], turns, SEEDS, *ALIKE_COARSE)])
     turns = turns_of(rows, views)
@@ -61,22 +62,25 @@ def stood(
     return posed(rows[kept], turns[kept], camera, body), rows[kept, 5]
 
 
-def everywhere_on(maps: TypeMaps, camera: Camera, body: Body, plane: Plane, faces: RestingFaces) -> Floats:
+def everywhere_on(maps: TypeMaps, camera: Camera, body: Body, known: Known, faces: RestingFaces) -> Floats:
     """The best of all squares on a plane, rows (N, 6) as of ``sensing.views.search.everywhere``, best first."""
-    rows, corners, stacks = [np.zeros((0, 6))], _corners(camera), dict[float, NDArray[np.int8]]()
-    middles = corners + 0.5 * BLOCK
+    rows, corners = [np.zeros((0, 6))], _corners(camera)
+    middles, plane = corners + 0.5 * BLOCK, known.plane
     some = spread(faces)
     for down, reach in zip(faces.down[some], faces.reach[some], strict=True):
-        size = _size(camera, body, plane, float(reach - down @ body.middle), middles)
+        high = float(reach - down @ body.middle)
+        size = _size(camera, body, plane, high, middles)
         there = (size >= SIZES[0]) & (size <= SIZES[1])
+        if known.area is not None:
+            depth = camera.f * body.diameter / size
+            feet = np.column_stack([camera.normalised(middles), np.ones(len(middles))]) * depth[:, None]
+            there &= known.area.holds(feet - high * plane.up, BLOCK / np.sqrt(2.0) * depth / camera.f)
         which, turned = _seen_from(camera, plane, down, body.views, middles[there])
         scales = np.array([scale_for(one, COARSE) for one in size[there]])
         for scale in np.unique(scales):
             mine = scales == scale
-            if scale not in stacks:
-                stacks[scale] = np.pad(maps.stack(float(scale), SPREAD, EVERY), ((0, 0), (PAD, PAD), (PAD, PAD)))
             laid = corners[there][mine], which[mine], turned[mine], size[there][mine]
-            rows.append(_laid(stacks[scale], body.views, float(scale), *laid))
+            rows.append(_laid(maps.stack(float(scale), SPREAD, EVERY, PAD), body.views, float(scale), *laid))
     every = np.concatenate(rows)
     return np.asarray(every[np.argsort(-every[:, 5], kind="stable")[:KEPT]])
 

@@ -9,7 +9,7 @@ import pytest
 from planks import interleaved, planks
 
 from geometry.frames import pose_error
-from plogic.cycle import choosing, perception
+from plogic.cycle import choosing, judging, perception
 from plogic.match.judged.rivals import DEEP, contacts
 from plogic.run.perceive import Perceiver
 
@@ -41,6 +41,8 @@ def test_one_that_shares_volume_as_estimated_is_accepted_where_all_can_be_moved_
     accepted, right = accepted_in(seed, *THIN)
     assert (len(accepted), right) == (3, 3)
     assert all(c.reach.depth < 1.1 * DEEP for c in contacts(accepted, [h.camera_from_object for h in accepted]))
+    monkeypatch.setattr(judging, "_touching", lambda *_: False)  # not at once, but when all others are known
+    assert len(accepted_in(seed, *THIN)[0]) == 3
     monkeypatch.setattr(perception, "exchanged", lambda _, state: state)
     before, _ = accepted_in(seed, *THIN)
     assert len(before) == 2

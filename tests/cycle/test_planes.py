@@ -89,6 +89,16 @@ def test_what_stands_on_another_gains_as_well():
     assert leaning.worth[3] == pytest.approx(np.log(1.0 - RESTS), abs=0.1)
 
 
+def test_stacks_of_three_stand_and_a_fourth_is_on_something_unknown():
+    stack = [pose(0.01 * k, 0.0, 0.3 * k, 0.06 * k) for k in range(4)]
+    three = [pose(0.2, 0.1, 1.0), pose(-0.1, 0.15, 2.0), *stack[:3]]
+    found = supported(bodies(three, [4.0] * 5, **SHARP), RESTS)
+    aside = supported(bodies([*three[:4], pose(0.1, -0.1, 0.5, 0.12)], [4.0] * 5, **SHARP), RESTS)
+    assert found.worth[4] - 1.0 > aside.worth[4] > 2.0
+    four = supported(bodies([*three, stack[3]], [4.0] * 6, **SHARP), RESTS)
+    assert found.worth[4] - 1.0 > four.worth[5] > 2.0
+
+
 def test_rivals_of_one_type_do_not_speak_for_a_plane_together():
     poses = [pose(0.0, 0.0), pose(0.2, 0.1, 1.0)]
     found = supported(bodies(poses, [2.0, 2.0], [0, 0]), RESTS)

@@ -108,3 +108,13 @@ def test_a_rival_in_the_place_of_an_accepted_one_speaks_in_its_stead_and_not_bes
     found = bodies_of([STANDING["h1"], STANDING["h2"]], [here, beside], SETTING)
     assert found.kind.tolist() == [0, 1, 0, 2]
     assert bodies_of([STANDING["h1"]], [], SETTING).kind.tolist() == [0]
+
+
+def test_what_is_level_above_the_plane_on_nothing_known_is_likelier_where_it_is_free():
+    posed = {**STANDING, "h4": box(0.3, -0.2, 0.2), "h5": box(0.3, 0.3, 0.2, put=True)}
+    tipped = EYE @ from_rotation_translation(turn_about([1.0, 0.0, 0.0], 0.5), (-0.3, -0.3, 0.2))
+    posed["h6"] = box(-0.3, -0.3).told(camera_from_object=tipped)
+    told = {name: ratio for name, plane, ratio in support_of_view(posed, SETTING).level if plane == "s1"}
+    assert told["h4"] > 3.0
+    assert "h5" not in told  # that it is level is how it was looked for
+    assert told.get("h6", 0.0) < 0.1

@@ -115,3 +115,13 @@ def test_where_gravity_is_not_said_to_hold_nothing_is_asked_of_planes(perceiver,
     untold = looked(Perceiver(replace(perceiver.kb, gravity=False)), truths)
     assert not steps(untold)
     assert [h["status"] for h in untold["hypotheses"]] == [h["status"] for h in told["hypotheses"]]
+
+
+def test_the_tops_of_what_is_accepted_are_asked_as_well(perceiver):
+    truths = [standing(*PLACES[0]), standing(*PLACES[1], 12.0), standing(*PLACES[0], 30.0, SIDE)]
+    document = looked(perceiver, truths, seed=4)
+    assert any(
+        ", or on cube, cube, are tried" in why or ", or on cube, cube, cube, are tried" in why
+        for why in steps(document)
+    )
+    assert all(any(same(pose, truth) for pose in accepted(document)) for truth in truths)

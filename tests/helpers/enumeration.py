@@ -65,6 +65,7 @@ def _resting(support, present):
     if support is None:
         return 0.0
     prior, by_chance = {plane.name: plane.prior for plane in support.planes}, dict(support.by_chance)
+    level = {(name, state): ratio for name, state, ratio in support.level}
     total = np.full(len(next(iter(present.values()))), support.none)
     for state, p in [*prior.items(), ("elsewhere", max(0.0, 1.0 - support.none - sum(prior.values())))]:
         weight = p
@@ -72,7 +73,8 @@ def _resting(support, present):
             ways = [s for s in support.stances if s.hypothesis == name and (s.on == state or s.on in present)]
             stands = [s.chance * np.exp(s.log_ratio) * present.get(s.on, 1.0) for s in ways]
             chance = np.where(there, 1.0, by_chance.get(name, 0.0))
-            weight = weight * (1.0 - chance + chance * (1.0 - support.rests + sum(stands)))
+            free = (1.0 - support.rests) * np.exp(level.get((name, state), 0.0))
+            weight = weight * (1.0 - chance + chance * (free + sum(stands)))
         total = total + weight
     with np.errstate(divide="ignore"):
         return np.log(total)

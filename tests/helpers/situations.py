@@ -206,7 +206,7 @@ def shares(rng, count):
 def with_support(subject, seed, most=4):
     """Planes, up to ``most``, and ways to stand on them and on each other, drawn; some priors and chances are 0.
 
-    In half of them some stand by chance where they are absent.
+    In half of them some stand by chance where they are absent; some may be level above a plane on something unknown.
     """
     rng = Random(seed)  # noqa: S311 - a test's
     *priors, none = shares(rng, rng.randint(0, most) + 1)
@@ -231,4 +231,5 @@ def with_support(subject, seed, most=4):
             ]
     some = [name for name in ids if rng.random() < 0.8] if rng.random() < 0.5 else []
     by_chance = tuple((name, rng.choice([0.12, 0.12, 0.5, 0.0, 1.0])) for name in some)
-    return replace(subject, support=Support(rests, none, planes, tuple(stances), by_chance))
+    level = [(name, p.name, rng.choice([0.5, 3.0, 20.0])) for name in ids for p in planes if rng.random() < 0.2]
+    return replace(subject, support=Support(rests, none, planes, tuple(stances), by_chance, tuple(level)))

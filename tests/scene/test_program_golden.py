@@ -100,7 +100,9 @@ def standing():
     tilted = replace(plane("s1", 0.6), normal=(0.0, -0.8, -0.6), offset=-1.25)
     stances = Stance("h1", "s1", 2, 0.9, 3.5), Stance("h2", "s1", 0, 0.45, -8.0), Stance("h2", "h1", 0, 0.45, 4.0)
     return situation(
-        bodies, "posterior", support=Support(0.9, 0.05, (tilted, plane("s2", 0.3)), stances, (("h2", 0.12),))
+        bodies,
+        "posterior",
+        support=Support(0.9, 0.05, (tilted, plane("s2", 0.3)), stances, (("h2", 0.12),), (("h2", "s1", 1.5),)),
     )
 
 

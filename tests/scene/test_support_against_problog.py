@@ -167,6 +167,7 @@ def renamed(subject, name):
     support = subject.support
     stances = tuple(replace(s, hypothesis=name(s.hypothesis), on=name(s.on)) for s in support.stances)
     by_chance = tuple((name(h), e) for h, e in support.by_chance)
+    level = tuple((name(h), name(s), ratio) for h, s, ratio in support.level)
     planes = tuple(replace(p, name=name(p.name)) for p in support.planes)
     hypotheses = tuple(
         h.told(id=name(h.id), features=tuple(replace(f, hidden_by=tuple(map(name, f.hidden_by))) for f in h.features))
@@ -179,7 +180,7 @@ def renamed(subject, name):
     return replace(
         subject,
         hypotheses=hypotheses[::-1],
-        support=replace(support, planes=planes[::-1], stances=stances[::-1], by_chance=by_chance[::-1]),
+        support=replace(support, planes=planes[::-1], stances=stances[::-1], by_chance=by_chance[::-1], level=level),
         relations=(),
         **pairs,
     )
@@ -335,6 +336,9 @@ TWO = Stance("h1", "s1", 0, 0.4, 1.0)
         ({"stances": (replace(TWO, on="h2"), Stance("h2", "h1", 0, 0.2, 0.0))}, "h1, h2 some stand on what stands"),
         ({"stances": (replace(TWO, on="h1"),)}, "of h1 some stand on what stands"),
         ({"by_chance": (("h9", 0.1),)}, "by_chance: 'h9' is unknown"),
+        ({"level": (("h9", "s1", 0.1),)}, "level: 'h9' is unknown"),
+        ({"level": (("h1", "s9", 0.1),)}, "level above: 's9' is unknown"),
+        ({"level": (("h1", "s1", -0.1),)}, "level of h1 above s1: -0.1 is not a number from 0.0"),
         ({"by_chance": (("h1", 0.1), ("h1", 0.2))}, "by_chance 'h1' occurs twice"),
         ({"by_chance": (("h1", 1.5),)}, "by_chance of h1: 1.5 is not a number from 0.0 to 1.0"),
     ],

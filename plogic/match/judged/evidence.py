@@ -109,8 +109,11 @@ def sigmas_of(kind: ObjectType, rates: Rates) -> Floats:
 def pose_information(posed: Hypothesis, camera: Camera, kb: KnowledgeBase) -> Floats:
     """(6, 6) of turning about the middle, rad, and moving, m.
 
-    Of the matches, and of what is known of any pose (``known``).
+    Of the pixels, where a pose was moved to fit them; else of the matches, and of what is known of any pose
+    (``known``).
     """
+    if posed.spread is not None:
+        return np.asarray(np.linalg.inv(posed.spread))
     used = np.flatnonzero(posed.candidate & posed.detected)
     precision = posed.counted[used] / sigmas(posed, kb)[used] ** 2
     across = None if posed.across is None else posed.across[used]

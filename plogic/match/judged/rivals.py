@@ -115,8 +115,8 @@ def solid_of(surface: Surface) -> Solid:
     return Solid(surface.vertices, surface.triangles)
 
 
-def overlap(one: Hypothesis, other: Hypothesis) -> bool:
-    """A4: whether the two bodies share volume beyond what pose errors make of touching ones.
+def overlap(one: Hypothesis, other: Hypothesis, most: float = SHARED_VOLUME) -> bool:
+    """A4: whether the two bodies share volume beyond what pose errors make of touching ones: more than this share.
 
     Of one that is no solid nobody knows.
     """
@@ -126,7 +126,7 @@ def overlap(one: Hypothesis, other: Hypothesis) -> bool:
     if a.solid is None or b.solid is None:  # refused (kb.surfaces.surface)
         return False
     volume = _shared(a.solid, one.camera_from_object.tobytes(), b.solid, other.camera_from_object.tobytes())
-    return bool(volume > SHARED_VOLUME * min(a.solid.volume, b.solid.volume))
+    return bool(volume > most * min(a.solid.volume, b.solid.volume))
 
 
 @lru_cache(maxsize=4096)
@@ -192,8 +192,13 @@ def excludes(one: Hypothesis, other: Hypothesis) -> bool:
 
 def in_the_way(one: Hypothesis, other: Hypothesis) -> bool:
     """Whether it stands in the place of another, by what excludes both, or hides most of what that shows."""
+    return excludes(one, other) or hides_most(one, other)
+
+
+def hides_most(one: Hypothesis, other: Hypothesis) -> bool:
+    """Whether another hides most of what it shows."""
     shown = one.candidate
-    return excludes(one, other) or bool((hidden_by(one, other) & shown).sum() > SHARED_CLAIMS * max(1, shown.sum()))
+    return bool((hidden_by(one, other) & shown).sum() > SHARED_CLAIMS * max(1, shown.sum()))
 
 
 DEEP = 0.001
@@ -222,10 +227,11 @@ def moved_apart(
     information: Callable[[int], Floats],
     still: int = 0,
     through: Collection[tuple[int, int]] = (),
+    far: float = FAR,
 ) -> tuple[list[Floats], list[tuple[int, int]]]:
     """Poses (4, 4), camera_from_object, of N objects, and the pairs that still reach more than ``DEEP`` together.
 
-    So do pairs that would have to move too ``FAR``. One that touches nobody keeps its pose, the same array; so do the
+    So do pairs that would have to move too ``far``. One that touches nobody keeps its pose, the same array; so do the
     first, which stand ``still``, and nothing is told of pairs of these. ``information``, (6, 6), of the pose of one by
     number (``pose_information``): what a move costs. The pairs ``through`` leave each other by the far side.
     """
@@ -251,8 +257,8 @@ def moved_apart(
         deep = _deep(posed, poses, still)
         if not deep:
             break
-    far = [_cost(some, pose, cost) > FAR**2 for some, pose, cost in zip(posed, poses, costs, strict=True)]
-    deep += [contact for contact in first if far[contact.first] or far[contact.second]]
+    lost = [_cost(some, pose, cost) > far**2 for some, pose, cost in zip(posed, poses, costs, strict=True)]
+    deep += [contact for contact in first if lost[contact.first] or lost[contact.second]]
     return poses, sorted({(contact.first, contact.second) for contact in deep})
 
 

@@ -176,8 +176,8 @@ class Search(Protocol):
         """
         ...
 
-    def standing(self, known: Known, left: Data, given: Given) -> Generator[Found]:  # noqa: ARG002 - not every kind can say
-        """The hypotheses that the free data suggest on a plane, of each type of which none is accepted, best first."""
+    def standing(self, supports: Sequence[Known], left: Data, given: Given) -> Generator[Found]:  # noqa: ARG002 - not every kind can say
+        """The hypotheses that the free data suggest on a plane, or on tops, of each type of which none is accepted."""
         yield from ()
 
     def stood(self, posed: Hypothesis, known: Known, others: Sequence[Hypothesis]) -> Hypothesis:  # noqa: ARG002 - as above

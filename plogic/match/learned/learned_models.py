@@ -6,18 +6,18 @@
 """
 
 from collections import Counter
-from collections.abc import Callable, Generator, Iterable, Mapping, Sequence
+from collections.abc import Generator, Mapping, Sequence
 from contextlib import closing
-from dataclasses import dataclass, field, fields
+from dataclasses import dataclass, field
 from functools import cached_property
-from typing import TYPE_CHECKING, Any, ClassVar, Self
+from typing import TYPE_CHECKING, ClassVar, Self
 
 import numpy as np
 from numpy.typing import NDArray
 
 from geometry.arrays import Floats, Indices, Mask
-from geometry.bodies.resting import Plane, RestingFaces
-from geometry.bodies.standing import Known, alike
+from geometry.bodies.resting import RestingFaces
+from geometry.bodies.standing import Known
 from kb.clouds.cloud import KnowledgeBase, ObjectType
 from kb.clouds.learned import LearnedCloud
 from kb.clouds.words import POINT, SIDE
@@ -26,14 +26,25 @@ from plogic.facts.hypothesis import Hypothesis
 from plogic.match.gamma.data import Data
 from plogic.match.judged.evidence import evidence
 from plogic.match.judged.expectation import polished, settled
+from plogic.match.judged.rivals import distinct
 from plogic.match.judged.type_models import SURE, Found, Given, Ranks, Request, Search, Setup, TypeModel, TypeModels
 from plogic.match.learned.agreement import Lobes, lobes_of
 from plogic.match.learned.convincing import demanded
 from plogic.match.learned.keypoints import Lexicon, lexicon_of
+from plogic.match.learned.learned_jobs import ask, searched
 from plogic.match.learned.learned_match import ROBUST, matched, pose_of, precision
 from plogic.match.learned.learned_pixels import NO_POSES, hiding, looked_beside, pictured, stood
 from plogic.match.learned.learned_poses import NOBODY, REFINED, VERIFIED, Voted, generate, resting, voted
-from plogic.match.learned.learned_views import PRINTED, SEEN, VIEWS, keypoints_shown, maps_for, seen_anywhere, seen_on
+from plogic.match.learned.learned_views import (
+    PRINTED,
+    SEEN,
+    VIEWS,
+    draw,
+    keypoints_shown,
+    maps_for,
+    seen_anywhere,
+    seen_on,
+)
 from plogic.measures.distinctiveness import Kinds, kinds_of, rank_of_kinds
 
 if TYPE_CHECKING:
@@ -148,8 +159,8 @@ class LearnedIndex:
 
     @cached_property
     def body(self) -> "Body | None":
-        """What it looks like from all around, where it has little print; None where it has no texture."""
-        if self.paint is None or not self.plain:
+        """What it looks like from all around; None where it has no texture."""
+        if self.paint is None:
             return None
         from geometry.files.remembered import cache_folder
         from sensing.views.kept import kept_views
@@ -219,39 +230,6 @@ def learned_index(object_type: ObjectType, dv: Mapping[str, float], lexicon: Lex
     )
 
 
-def ask(indices: Iterable[LearnedIndex], data: Data) -> None:
-    """Find what all types ask of Γ, before copies of this process are made."""
-    for lexicon in {id(index.lexicon): index.lexicon for index in indices}.values():
-        lexicon.ask(data)
-
-
-_SAID = tuple(field.name for field in fields(Hypothesis) if field.name != "known_type")
-
-
-def searched(
-    search: Callable[[LearnedIndex], tuple[Found, Floats]], indices: Sequence[LearnedIndex], data: Data, processes: int
-) -> Generator[tuple[Found, Floats]]:
-    """The hypotheses that a search finds of each index in ``data``, in their order, and the poses that looks suggest.
-
-    What a copy finds comes back without the type, which is large, and here already. What all types ask of Γ is found
-    before copies are made.
-    """
-    if processes > 1:
-        ask(indices, data)
-
-    def said(index: LearnedIndex) -> tuple[list[tuple[float, list[Any]]], Floats]:
-        found, seen = search(index)
-        return [(ratio, [getattr(posed, name) for name in _SAID]) for ratio, posed in found], seen
-
-    with closing(each(said, indices, processes)) as answers:
-        for index, (answer, seen) in zip(indices, answers, strict=True):
-            found = [
-                (ratio, Hypothesis(known_type=index.object_type, **dict(zip(_SAID, arrays, strict=True))))
-                for ratio, arrays in answer
-            ]
-            yield found, seen
-
-
 AGAIN = 40
 """Poses of a type whose sides are looked at where it is searched for again, after one of it was accepted."""
 
@@ -296,7 +274,7 @@ class LearnedSearch(Search):
     _seen: dict[str, Floats] = field(default_factory=dict)
     _odds: dict[str, float] = field(default_factory=dict)
     _demanded: float = SEEN
-    _stood: dict[str, list[Plane]] = field(default_factory=dict)
+    _stood: dict[str, list[Known]] = field(default_factory=dict)
 
     @cached_property
     def _voted(self) -> dict[str, Voted]:
@@ -361,22 +339,30 @@ class LearnedSearch(Search):
         """Demand of pixels by how many of the types are there, as far as is known; ``odds``: the greatest of some."""
         self._demanded = demanded(np.array(list({**self._odds, **odds}.values())))
 
-    def standing(self, known: Known, left: Data, given: Given) -> Generator[Found]:
-        """The hypotheses of each type that stand on a plane; of none that was looked for on it before."""
+    def standing(self, supports: Sequence[Known], left: Data, given: Given) -> Generator[Found]:
+        """The hypotheses of each type on a plane or on tops; of none where it was looked for before."""
         taken, before, maps = bodies(self.models, given.accepted), hiding(given.accepted), self._maps
-        asked = [
-            index
-            for name, index in sorted(self.models.items())
-            if not given.count(name) and not any(alike(known.plane, old) for old in self._stood.get(name, ()))
-        ]
+        new = {
+            name: [known for known in supports if not any(known.same(old) for old in self._stood.get(name, ()))]
+            for name in sorted(self.models)
+            if not given.count(name)
+        }
+        asked = [self.models[name] for name, some in new.items() if some]
+        if maps is not None:
+            draw([index for index in asked if index.paint is not None], self.request.processes)
 
         def search(index: LearnedIndex) -> tuple[Found, Floats]:
-            seen = seen_on(index, maps, self.request.data, known.plane)
-            return resting(index, known, left, self.request.kb, taken, before=before, seen=seen), NO_POSES
+            some = new[index.object_type.name]
+            found = [
+                row
+                for known, seen in zip(some, seen_on(index, maps, self.request.data, some), strict=True)
+                for row in resting(index, known, left, self.request.kb, taken, before=before, seen=seen)
+            ]
+            return distinct(found, index.object_type), NO_POSES
 
         with closing(searched(search, asked, left, self.request.processes)) as searches:
             for index, (found, _) in zip(asked, searches, strict=True):
-                self._stood.setdefault(index.object_type.name, []).append(known.plane)
+                self._stood.setdefault(index.object_type.name, []).extend(new[index.object_type.name])
                 yield found
 
     def stood(self, posed: Hypothesis, known: Known, others: Sequence[Hypothesis]) -> Hypothesis:

@@ -221,7 +221,7 @@ def resting(
     ``taken`` (N, 4): middles, camera frame, and inner radii of bodies that stand there already, m; ``seen`` (M, 4, 4):
     poses on the plane that the photo suggests otherwise. By pixels they leave it as far as it is not known.
     """
-    best, worth = _rested(index, known.plane, data, kb, taken)
+    best, worth = _rested(index, known, data, kb, taken)
     if data.photo is not None and index.paint is not None:
         seen = seen[clear_of(taken, index, seen)]
         contact = Contact(known, index.resting)
@@ -229,10 +229,13 @@ def resting(
     return settled_best(index, best[worth >= WORTHLESS], data, kb, VERIFIED_RESTING)
 
 
-def _rested(index: LearnedIndex, plane: Plane, data: Data, kb: KnowledgeBase, taken: Floats) -> tuple[Floats, Floats]:
+def _rested(index: LearnedIndex, known: Known, data: Data, kb: KnowledgeBase, taken: Floats) -> tuple[Floats, Floats]:
     """Poses (N, 4, 4) on the plane, refined on it, with their worth (N,), best first."""
-    pairs = pairs_of(index, data)
+    pairs, plane = pairs_of(index, data), known.plane
     poses = set_down(index, pairs, plane, data)
+    if known.area is not None:
+        middles = poses[:, :3, :3] @ index.centre + poses[:, :3, 3]
+        poses = poses[known.area.holds(middles - plane.height(middles)[:, None] * plane.up)]
     poses = poses[clear_of(taken, index, poses)]
     if not len(poses):
         return NO_POSES, np.zeros(0)

@@ -1,6 +1,7 @@
 """Poses of learned types that have little print, proposed from their outlines, creases and colours (``sensing.views``).
 
-What has print is found by its keypoints, in a fraction of the time.
+What has print is found by its keypoints, in a fraction of the time; on a plane, where few poses are possible, by its
+views as well.
 
 * ``maps_for``: what all types ask of a photo; ``seen_anywhere``: the poses of a type that it suggests; ``seen_on``:
   those on a plane
@@ -21,7 +22,7 @@ if TYPE_CHECKING:
     from collections.abc import Sequence
 
     from geometry.arrays import Floats
-    from geometry.bodies.resting import Plane
+    from geometry.bodies.standing import Known
     from kb.clouds.learned import LearnedCloud
     from plogic.match.gamma.data import Data
     from plogic.match.learned.learned_models import LearnedIndex
@@ -35,8 +36,8 @@ VIEWS = 400
 SEEN = 3.0
 """Log-likelihood ratio from which pixels convince before all types were searched for (``convincing``): 20 to 1. How
 many have it of what is there, and of what is not, ``python benchmarks/pixel_odds.py KB DATASET`` prints."""
-PROPOSED, PROPOSED_ON = 20, 10
-"""Poses of a type, anywhere and on a plane."""
+PROPOSED, PROPOSED_ON, PROPOSED_ON_TOP = 20, 10, 4
+"""Poses of a type, anywhere, on a plane and on a top."""
 
 
 def keypoints_shown(cloud: LearnedCloud) -> float:
@@ -56,19 +57,20 @@ def draw(indices: Sequence[LearnedIndex], processes: int) -> None:
 
 
 def maps_for(indices: Sequence[LearnedIndex], data: Data, processes: int) -> PhotoMaps | None:
-    """What types with little print ask of a photo, measured before copies of this process are made; None without one.
+    """What types ask of a photo, measured before copies of this process are made; None without one.
 
-    Their views are drawn as well.
+    The views of those with little print are drawn as well.
     """
-    plain = [index for index in indices if index.plain and index.paint is not None]
-    if data.photo is None or not plain:
+    painted = [index for index in indices if index.paint is not None]
+    if data.photo is None or not painted:
         return None
-    draw(plain, processes)
     from sensing.views.maps import PhotoMaps
     from sensing.views.search import share_maps
 
-    maps = PhotoMaps(data.photo.image)
-    share_maps(maps)
+    maps, plain = PhotoMaps(data.photo.image), [index for index in painted if index.plain]
+    draw(plain, processes)
+    if plain:  # else hardly any is searched, and on planes alone
+        share_maps(maps)
     return maps
 
 
@@ -81,10 +83,16 @@ def seen_anywhere(index: LearnedIndex, maps: PhotoMaps | None, data: Data) -> Fl
     return searched(maps, data.camera, index.body, PROPOSED)[0]
 
 
-def seen_on(index: LearnedIndex, maps: PhotoMaps | None, data: Data, plane: Plane) -> Floats:
-    """The poses (N, 4, 4) of a type on a plane below the camera that a photo's maps suggest, the best first."""
-    if maps is None or not index.plain or index.body is None:
-        return NO_POSES
+def seen_on(index: LearnedIndex, maps: PhotoMaps | None, data: Data, supports: Sequence[Known]) -> list[Floats]:
+    """The poses (N, 4, 4) of a type on each of planes below the camera that a photo's maps suggest, the best first."""
+    if maps is None or index.body is None:
+        return [NO_POSES] * len(supports)
+    from sensing.views.maps import TypeMaps
     from sensing.views.standing import stood
 
-    return stood(maps, data.camera, index.body, plane, index.resting, PROPOSED_ON)[0]
+    mine = TypeMaps(maps, index.body.views)
+    most = (PROPOSED_ON if known.area is None else PROPOSED_ON_TOP for known in supports)
+    return [
+        stood(mine, data.camera, index.body, known, index.resting, some)[0]
+        for known, some in zip(supports, most, strict=True)
+    ]

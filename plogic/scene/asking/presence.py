@@ -254,7 +254,9 @@ def _stands(view: View) -> Iterator[str]:
     without = [other for other in view.world if other != name]
     gain = standing.log_weight(view.world) - standing.log_weight(without)
     mark = "no evidence:" if abs(gain) < NOTHING else "believed because" if gain > 0.0 else "against:"
-    yield f"  {mark} it {_standing(standing, on, others)}: {gain:+.3g} in log-odds{_by_chance(standing, name)}"
+    level = f", level above {told.state}" if not on and (name, told.state) in standing.level else ""
+    where = f"{_standing(standing, on, others)}{level}"
+    yield f"  {mark} it {where}: {gain:+.3g} in log-odds{_by_chance(standing, name)}"
 
 
 NOTHING = 1e-9

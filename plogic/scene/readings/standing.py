@@ -6,7 +6,8 @@ of the state, on another hypothesis, or ``FREE``. Who is present has one, and by
 
 * ``Way("s1", "2", 0.3)``: one stance and its weight; ``Way(FREE, NONE, 0.1)``: held, leaning, hung
 
-Posterior: a stance weighs its chance times ρ, being free 1 - rests, and nothing stands on what is absent. Score: a
+Posterior: a stance weighs its chance times ρ, being free 1 - rests, more where the pose is level above the plane of the
+state, and nothing stands on what is absent. Score: a
 stance weighs its chance, being free what is left of 1, and who would stand on what is absent is free. So a hypothesis
 weighs, in the posterior, f where it is present and 1 - e + e f where it is absent, f the sum over its stances.
 """
@@ -86,6 +87,11 @@ class Standing:
         return {name: bounded(e) for name, e in self.support.by_chance if e > 0.0}
 
     @cached_property
+    def level(self) -> dict[tuple[str, str], float]:
+        """Of a hypothesis and a plane, ln of how much likelier its pose is where it is free."""
+        return {(name, plane): ratio for name, plane, ratio in self.support.level}
+
+    @cached_property
     def posed(self) -> dict[str, None]:
         """The hypotheses whose poses are known, in the order of Δh: nothing is said of how others stand."""
         withheld = self.situation.withheld
@@ -115,7 +121,8 @@ class Standing:
         whole = max(1.0, sum(chances) + free)
         ratios = [exp(stance.log_ratio) if posterior else 1.0 for stance in stances]
         rows = zip(stances, chances, ratios, strict=True)
-        return [*(Way(s.on, str(s.face), p * r / whole) for s, p, r in rows), Way(FREE, NONE, free / whole)]
+        above = exp(self.level.get((name, state), 0.0)) if posterior else 1.0
+        return [*(Way(s.on, str(s.face), p * r / whole) for s, p, r in rows), Way(FREE, NONE, free * above / whole)]
 
     def ways(self, name: str, state: str, world: Collection[str]) -> list[Way]:
         """The same in a world; nothing that stands on what is absent."""

@@ -185,8 +185,10 @@ def log_scale(scene: Scene) -> float:
     if scene.situation.reading == "score":
         return 0.0
     most = [max(0.0, *h.pixel_table.odds) for h in scene.situation.hypotheses if h.pixel_table is not None]
-    stances = () if scene.situation.support is None else scene.situation.support.stances
-    ratios = by_key((stance.hypothesis, stance.log_ratio) for stance in stances)
+    support = scene.situation.support
+    told = [] if support is None else [(s.hypothesis, s.log_ratio) for s in support.stances]
+    told += [] if support is None else [(name, ratio) for name, _, ratio in support.level]
+    ratios = by_key(told)
     most += [max(0.0, *mine) for mine in ratios.values()]
     return math.fsum([*most, *(math.log(causes_of(scene, appearance).scale) for appearance in scene.claimants)])
 

@@ -27,7 +27,7 @@ ONLY = {
 
 SOME = (
     "pixel_occluders/2", "pixels/3", "told_fits/3", "rests_chance/1", "plane/5", "plane_prior/2", "way_to_stand/5",
-    "by_chance/1",
+    "level/3", "by_chance/1",
 )  # fmt: skip
 """Predicates of facts, and of a choice, of programs in which a photo's pixels, or supports, are told."""
 LONGEST = 15.0
@@ -237,16 +237,19 @@ own_plane(H) :- way_to_stand(H, S, _, _, _), support(S).
 """
 
 STANDING = r"""
-% §9.9: a pose is as likely as its footing makes it: ρ = e^L where it stands on what is there, 1 where it is free or has none, or nothing says.
+% §9.9: a pose is as likely as its footing makes it: ρ = e^L where it stands on what is there, or is free and level above the plane; else 1.
 stands_right(H) :- footing_case(H, C), fits_told(footing(H), C).
 footing_case(H, free) :- hypothesis(H, _), \+ has_footing(H).
 footing_case(H, free) :- has_footing(H), support(none).
-footing_case(H, free) :- footing(H, free, _).
+footing_case(H, free) :- footing(H, free, _), \+ level_above_plane(H).
+footing_case(H, level(S)) :- footing(H, free, _), support(S), level(H, S, _).
 footing_case(H, way(S, R)) :- footing(H, S, R), S \= free, to_stand_on(S).
+level_above_plane(H) :- support(S), level(H, S, _).
 to_stand_on(S) :- support(S).
 to_stand_on(X) :- present(X).
 told(footing(H), free, 0.0) :- hypothesis(H, _).
 told(footing(H), way(S, R), L) :- way_to_stand(H, S, R, _, L).
+told(footing(H), level(S), L) :- level(H, S, L).
 """
 
 VIOLATED = r"""

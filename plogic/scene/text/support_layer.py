@@ -29,6 +29,10 @@ def support_facts(w: Writer) -> Iterator[str]:
     for s in support.stances:
         way = f"{_way(w, s.hypothesis, s.on, str(s.face))}, {number(bounded(s.chance))}, {number(s.log_ratio)}"
         yield f"way_to_stand({way})."
+    yield "% Who may rest on something unknown, level above a plane, and what the pose says of that where it is free, log-odds."
+    yield "level(_, _, _) :- fail."
+    for above, surface, ratio in support.level:
+        yield f"level({w.atoms(above, surface)}, {number(ratio)})."
 
 
 def _by_chance(w: Writer, support: Support) -> Iterator[str]:

@@ -6,7 +6,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from geometry.bodies.resting import Plane, resting_faces
-from geometry.bodies.standing import Contact, Known, fitted, joined, log_free, log_ratios, ways
+from geometry.bodies.standing import Area, Contact, Known, fitted, joined, log_free, log_ratios, ways
 from geometry.frames import from_rotation_translation, look_at, turn_about
 from sensing.pixels.refine import moved
 
@@ -96,3 +96,16 @@ def test_what_lies_on_no_face_is_not_moved():
     told, slope = contact.normal(leaning, np.zeros(3))
     assert not told.any()
     assert not slope.any()
+
+
+def test_a_top_is_the_same_as_one_at_its_height_and_place_alone():
+    at = -TABLE.offset * TABLE.up
+    top = Known(TABLE, np.eye(3), area=Area(at, 0.1))
+    along = np.cross(TABLE.up, [1.0, 0.0, 0.0])
+    along /= np.linalg.norm(along)
+    moved_by = [top._replace(area=Area(at + far * along, 0.1)) for far in (0.03, 0.07)]
+    assert [top.same(other) for other in (top, *moved_by)] == [True, True, False]
+    assert not top.same(top._replace(area=None))
+    assert not top.same(top._replace(plane=Plane(TABLE.up, 0.9 * TABLE.offset)))
+    assert list(top.area.holds(at + np.outer([0.05, 0.15], along))) == [True, False]
+    assert list(top.area.holds(at + np.outer([0.05, 0.15], along), 0.06)) == [True, True]

@@ -45,6 +45,9 @@ way_to_stand(_, _, _, _, _) :- fail.
 way_to_stand(h1, s1, 2, 0.9, 3.5).
 way_to_stand(h2, s1, 0, 0.45, -8.0).
 way_to_stand(h2, h1, 0, 0.45, 4.0).
+% Who may rest on something unknown, level above a plane, and what the pose says of that where it is free, log-odds.
+level(_, _, _) :- fail.
+level(h2, s1, 1.5).
 % The four cells of each hypothesis in each context, by feature type: E∧D, E∧¬D, ¬E∧¬D, ¬E∧D.
 occluders(h1, []).
 cells(h1, [], [row(own(0.5), 1, 1, 0, 0)]).
@@ -174,16 +177,19 @@ told_least(E, L) :- told(E, _, L), \+ told_below(E, L).
 told_below(E, L) :- told(E, _, M), M < L.
 told_steps(E, N) :- told_most(E, M), told_least(E, L), N is max(1, ceiling((M - L) / 15.0)).
 
-% §9.9: a pose is as likely as its footing makes it: ρ = e^L where it stands on what is there, 1 where it is free or has none, or nothing says.
+% §9.9: a pose is as likely as its footing makes it: ρ = e^L where it stands on what is there, or is free and level above the plane; else 1.
 stands_right(H) :- footing_case(H, C), fits_told(footing(H), C).
 footing_case(H, free) :- hypothesis(H, _), \+ has_footing(H).
 footing_case(H, free) :- has_footing(H), support(none).
-footing_case(H, free) :- footing(H, free, _).
+footing_case(H, free) :- footing(H, free, _), \+ level_above_plane(H).
+footing_case(H, level(S)) :- footing(H, free, _), support(S), level(H, S, _).
 footing_case(H, way(S, R)) :- footing(H, S, R), S \= free, to_stand_on(S).
+level_above_plane(H) :- support(S), level(H, S, _).
 to_stand_on(S) :- support(S).
 to_stand_on(X) :- present(X).
 told(footing(H), free, 0.0) :- hypothesis(H, _).
 told(footing(H), way(S, R), L) :- way_to_stand(H, S, R, _, L).
+told(footing(H), level(S), L) :- level(H, S, L).
 
 % A4: distinct maximal objects are discrete.
 violated(shares_volume(X, Y)) :- overlap(X, Y), present(X), present(Y).

@@ -44,6 +44,9 @@ way_to_stand(_, _, _, _, _) :- fail.
 way_to_stand(h1, s1, 2, 0.9, 3.5).
 way_to_stand(h2, s1, 0, 0.45, -8.0).
 way_to_stand(h2, h1, 0, 0.45, 4.0).
+% Who may rest on something unknown, level above a plane, and what the pose says of that where it is free, log-odds.
+level(_, _, _) :- fail.
+level(h2, s1, 1.5).
 % The four cells of each hypothesis in each context, by feature type: E∧D, E∧¬D, ¬E∧¬D, ¬E∧D.
 occluders(h1, []).
 cells(h1, [], [row(own(0.5), 1, 1, 0, 0)]).

@@ -7,10 +7,10 @@ import pytest
 from test_views_search import CAMERA, PAINT, photographed
 
 from geometry.bodies.resting import Plane, resting_faces
-from geometry.bodies.standing import log_ratios, ways
+from geometry.bodies.standing import Area, Known, log_ratios, ways
 from geometry.frames import compose, look_at, pose_error, turn_about
 from geometry.frames import from_rotation_translation as posed_at
-from sensing.views.maps import PhotoMaps
+from sensing.views.maps import PhotoMaps, TypeMaps
 from sensing.views.search import Body
 from sensing.views.standing import spread, stood
 from sensing.views.views import views_of
@@ -36,7 +36,9 @@ def on_table(seed):
 def test_what_stands_on_a_plane_is_among_the_first_found_there(views, seed):
     pose, table = on_table(seed)
     body = Body(views, PAINT.middle, PAINT.diameter)
-    found, scores = stood(PhotoMaps(photographed(pose, seed)), CAMERA, body, table, FACES, 10)
+    found, scores = stood(
+        TypeMaps(PhotoMaps(photographed(pose, seed)), views), CAMERA, body, Known(table, np.eye(3)), FACES, 10
+    )
     assert (np.diff(scores) <= 0.0).all()
     off = [pose_error(one, pose) for one in found]
     assert any(angle < np.radians(25.0) and move < 0.15 * pose[2, 3] for angle, move in off)
@@ -45,16 +47,38 @@ def test_what_stands_on_a_plane_is_among_the_first_found_there(views, seed):
 def test_where_a_climb_ends_most_stand_about(views):
     pose, table = on_table(5)
     body = Body(views, PAINT.middle, PAINT.diameter)
-    found, _ = stood(PhotoMaps(photographed(pose, 5)), CAMERA, body, table, FACES, 20)
+    found, _ = stood(
+        TypeMaps(PhotoMaps(photographed(pose, 5)), views), CAMERA, body, Known(table, np.eye(3)), FACES, 20
+    )
     stands = [ways(0, FACES, one, PAINT.middle, 0.3, np.eye(3) * 0.04**2) for one in found]
     assert np.mean([len(some.face) > 0 and log_ratios(some, table).max() > 0.0 for some in stands]) > 0.5
+
+
+def test_on_a_top_is_found_what_stands_there_and_nothing_elsewhere(views):
+    pose, table = on_table(1)
+    body = Body(views, PAINT.middle, PAINT.diameter)
+    maps, foot = TypeMaps(PhotoMaps(photographed(pose, 1)), views), pose[:3, 3]
+    known = Known(table, np.eye(3), area=Area(foot - table.height(foot) * table.up, 0.03))
+    found, _ = stood(maps, CAMERA, body, known, FACES, 10)
+    off = [pose_error(one, pose) for one in found]
+    assert any(angle < np.radians(25.0) and move < 0.15 * pose[2, 3] for angle, move in off)
+    whole, _ = stood(maps, CAMERA, body, known._replace(area=None), FACES, 60)
+    spread_out = [np.ptp(some[:, :3, 3], axis=0).max() for some in (found, whole)]
+    assert spread_out[0] < 0.5 * spread_out[1]
+    away = known._replace(area=Area(known.area.at + 5.0, 0.03))
+    assert not len(stood(maps, CAMERA, body, away, FACES, 10)[0])
 
 
 def test_no_plane_before_the_camera_gives_nothing(views):
     pose, _ = on_table(1)
     above = Plane(np.array([0.0, 0.0, 1.0]), 0.5)  # behind the camera
     found, _ = stood(
-        PhotoMaps(photographed(pose, 1)), CAMERA, Body(views, PAINT.middle, PAINT.diameter), above, FACES, 10
+        PhotoMaps(photographed(pose, 1)),
+        CAMERA,
+        Body(views, PAINT.middle, PAINT.diameter),
+        Known(above, np.eye(3)),
+        FACES,
+        10,
     )
     assert not len(found)
 
