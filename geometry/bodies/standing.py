@@ -71,14 +71,10 @@ other."""
 
 
 class Area(NamedTuple):
-    """The places within ``wide`` m of ``at`` (3,), camera's frame."""
+    """What of a plane is within ``wide`` m of the place above or below ``at`` (3,), camera's frame."""
 
     at: Floats
     wide: float
-
-    def holds(self, places: Floats, beside: Floats | float = 0.0) -> Mask:
-        """(N,) which of places (N, 3) are in it, or so many metres ``beside`` it."""
-        return np.asarray(np.linalg.norm(places - self.at, axis=1) < self.wide + beside)
 
 
 class Known(NamedTuple):
@@ -92,11 +88,18 @@ class Known(NamedTuple):
     noise: Noise = NOISES[-1]
     area: Area | None = None
 
+    def over(self, places: Floats, beside: Floats | float = 0.0) -> Mask:
+        """(N,) which of places (N, 3) are above or below what is there, or so many metres ``beside`` it."""
+        if self.area is None:
+            return np.ones(len(places), bool)
+        off = places - self.area.at
+        return np.asarray(np.linalg.norm(off @ along_plane(self.plane.up), axis=1) < self.area.wide + beside)
+
     def same(self, other: "Known") -> bool:
         """Whether two are nearly the same, and in nearly the same place."""
         if self.area is None or other.area is None:
             return self.area is other.area and alike(self.plane, other.plane)
-        return alike(self.plane, other.plane) and bool(self.area.holds(other.area.at[None], -0.5 * self.area.wide)[0])
+        return alike(self.plane, other.plane) and bool(self.over(other.area.at[None], -0.5 * self.area.wide)[0])
 
 
 def ways(body: int, faces: RestingFaces, pose: Floats, middle: Floats, tilt: float, spread: Floats) -> Stands:
@@ -143,6 +146,12 @@ def joined(some: Sequence[Stands]) -> Stands:
 def log_free(offset: Floats | float) -> Floats:
     """Ln of the density, per steradian and metre, of tilts and heights of a free body against planes so far below."""
     return np.asarray(-np.log(2.0 * np.pi * FAR * np.asarray(offset)))
+
+
+def top_of(stands: Stands, way: int, known: Known, high: float) -> Known:
+    """The top of a body that stands so, its foot ``high`` m above a plane."""
+    plane = Plane(known.plane.up, known.plane.offset - high - float(stands.tall[way]))
+    return known._replace(plane=plane, area=Area(stands.foot[way], float(stands.wide[way])))
 
 
 def off(stands: Stands, plane: Plane) -> tuple[Floats, Floats]:

@@ -126,9 +126,12 @@ def _excluded(state: State, hypothesis: Hypothesis) -> str | None:
 
 
 TOUCHING = 0.15
-"""Share of the smaller volume from which two are not beside each other, but in one place."""
+"""Share of the smaller volume from which two are not beside each other, but in one place: assumed."""
 SQUEEZED = 3.0
-"""Standard deviations of its pose by which one that touches others may have to be moved, or they, to be accepted."""
+"""Standard deviations of its pose by which one that touches others may have to be moved, or they, to be accepted.
+
+In a trace of two rendered scenes what was there had to be moved by 0.7 and 1.2, what was not by 5.9.
+"""
 
 
 def may_be_accepted(task: Task, state: State, hypothesis: Hypothesis) -> bool:

@@ -14,7 +14,7 @@ from typing import NamedTuple, Protocol
 import numpy as np
 
 from geometry.arrays import Floats, Ints
-from geometry.bodies.resting import Plane, RestingFaces, along_plane
+from geometry.bodies.resting import Plane, RestingFaces
 from geometry.bodies.standing import (
     NOISES,
     Known,
@@ -28,6 +28,7 @@ from geometry.bodies.standing import (
     log_peaks,
     log_ratios,
     noisy,
+    top_of,
     ways,
 )
 from geometry.camera import Camera
@@ -322,34 +323,33 @@ def _shares(bodies: Bodies, plane: Plane, there: Floats, rests: float) -> tuple[
     return on, above
 
 
-def _stacked(bodies: Bodies, plane: Plane, on: Floats, there: Floats, rests: float) -> Floats:
+def _stacked(bodies: Bodies, known: Known, on: Floats, there: Floats, rests: float) -> Floats:
     """(B,) how much likelier each pose is, by this alone, on the tops of those that stand on a plane, or on such tops.
 
     ``on`` (N,): P(each way of standing on the plane is how its body stands).
     """
     stands, of, total = bodies.stands, bodies.stands.body, np.zeros(len(bodies.kind))
-    axes, above = stands.foot @ along_plane(plane.up), plane.height(stands.foot)
-    share, tops = on, stands.tall
+    above = known.plane.height(stands.foot)
+    share, high = on, np.zeros(len(of))
     for _ in range(STOREYS):
         told = np.zeros(len(of))
         for lower in np.flatnonzero(share > LEAST):
-            raised = Plane(plane.up, plane.offset - float(tops[lower]))
-            over = np.linalg.norm(axes - axes[lower], axis=1) < stands.wide[lower]
-            here = over & (above > tops[lower] - 0.5 * stands.tall[lower]) & (of != of[lower])
-            if here.any() and raised.offset > 0.0:
+            top = top_of(stands, int(lower), known, float(high[lower]))
+            here = top.over(stands.foot) & (above > high[lower] + 0.5 * stands.tall[lower]) & (of != of[lower])
+            if here.any() and top.plane.offset > 0.0:
                 some = Stands(*(part[here] for part in stands))
-                told[here] += share[lower] * some.chance * np.exp(np.minimum(log_ratios(some, raised), 50.0))
+                told[here] += share[lower] * some.chance * np.exp(np.minimum(log_ratios(some, top.plane), 50.0))
         told *= rests * STACKED / bodies.most[of]
         mine = np.bincount(of, told, minlength=len(total))
         total += mine
-        share, tops = there[of] * told / (_free(bodies, rests) + mine)[of], above + stands.tall
+        share, high = there[of] * told / (_free(bodies, rests) + mine)[of], above
     return total
 
 
 def _weighed(bodies: Bodies, known: Known, there: Floats, rests: float) -> tuple[float, Believed]:
     """How much all bodies speak for a plane; and what they do."""
     shares, _ = _shares(bodies, known.plane, there, rests)
-    factors = _factors(bodies, known.plane, rests)[0] + _stacked(bodies, known.plane, shares, there, rests)
+    factors = _factors(bodies, known.plane, rests)[0] + _stacked(bodies, known, shares, there, rests)
     volume = 1.5 * np.log(2.0 * np.pi) + 0.5 * float(np.linalg.slogdet(known.covariance)[1])
     log_prior = float(np.log(1.0 - NONE) + min(0.0, float(log_free(known.plane.offset)) + volume))
     of_kind = 1.0 - bodies.sums(there) + bodies.sums(there * factors)

@@ -17,7 +17,7 @@ import numpy as np
 
 from geometry.arrays import Floats
 from geometry.bodies.resting import Plane
-from geometry.bodies.standing import Area, Contact, Known, joined, log_ratios, noisy, off
+from geometry.bodies.standing import Contact, Known, joined, log_ratios, noisy, off, top_of
 from kb.clouds.cloud import UNKNOWN_SUPPORT
 from plogic.cycle.choosing import separated
 from plogic.cycle.judging import judge, surplus_beside
@@ -150,15 +150,10 @@ def _tops(task: Task, some: Sequence[Hypothesis], known: Known) -> Iterator[tupl
         own = np.flatnonzero((stands.body == body) & (squares < LEVEL**2) & (above > -LEVEL * stands.high))
         if len(own):
             way = own[np.argmin(squares[own])]
-            high = (
-                float(above[way] + stands.tall[way])
-                if above[way] > LEVEL * stands.high[way]
-                else float(stands.tall[way])
-            )
-            plane = Plane(known.plane.up, known.plane.offset - high)
-            at = stands.foot[way] + (high - above[way]) * known.plane.up
-            if plane.offset > 0.0:
-                yield lower, known._replace(plane=plane, area=Area(at, float(stands.wide[way])))
+            stands_on_it = above[way] < LEVEL * stands.high[way]
+            top = top_of(stands, int(way), known, 0.0 if stands_on_it else float(above[way]))
+            if top.plane.offset > 0.0:
+                yield lower, top
 
 
 def settled_down(task: Task, state: State) -> State:
@@ -185,15 +180,14 @@ def settled_down(task: Task, state: State) -> State:
 
 def _stands_on(task: Task, one: Hypothesis, supports: Sequence[Known]) -> Known | None:
     """On which of these a hypothesis stands, most probably, if on any."""
-    rests, most, best = task.kb.rests or 0.0, -np.inf, None
-    for known in supports:
-        bodies = with_noise(bodies_of([one], [], task.setting), known.noise, rests)
-        foot = one.middle - known.plane.height(one.middle) * known.plane.up
-        there = known.area is None or known.area.holds(foot[None])[0]
-        if there and standing_on(bodies, known.plane, rests)[0] > STANDS:
-            ratio = float(log_ratios(bodies.stands, known.plane).max())
-            most, best = max((most, best), (ratio, known), key=lambda row: row[0])
-    return best
+    rests = task.kb.rests or 0.0
+    bodies = with_noise(bodies_of([one], [], task.setting), supports[0].noise, rests)
+    some = [
+        known
+        for known in supports
+        if known.over(one.middle[None])[0] and standing_on(bodies, known.plane, rests)[0] > STANDS
+    ]
+    return max(some, key=lambda known: float(log_ratios(bodies.stands, known.plane).max()), default=None)
 
 
 def _set_down(task: Task, one: Hypothesis, known: Known, others: Sequence[Hypothesis]) -> Hypothesis:

@@ -68,13 +68,11 @@ def everywhere_on(maps: TypeMaps, camera: Camera, body: Body, known: Known, face
     middles, plane = corners + 0.5 * BLOCK, known.plane
     some = spread(faces)
     for down, reach in zip(faces.down[some], faces.reach[some], strict=True):
-        high = float(reach - down @ body.middle)
-        size = _size(camera, body, plane, high, middles)
+        size = _size(camera, body, plane, float(reach - down @ body.middle), middles)
         there = (size >= SIZES[0]) & (size <= SIZES[1])
-        if known.area is not None:
-            depth = camera.f * body.diameter / size
-            feet = np.column_stack([camera.normalised(middles), np.ones(len(middles))]) * depth[:, None]
-            there &= known.area.holds(feet - high * plane.up, BLOCK / np.sqrt(2.0) * depth / camera.f)
+        depth = camera.f * body.diameter / size
+        seen = np.column_stack([camera.normalised(middles), np.ones(len(middles))]) * depth[:, None]
+        there &= known.over(seen, BLOCK / np.sqrt(2.0) * depth / camera.f)
         which, turned = _seen_from(camera, plane, down, body.views, middles[there])
         scales = np.array([scale_for(one, COARSE) for one in size[there]])
         for scale in np.unique(scales):

@@ -202,6 +202,16 @@ def test_explain_says_that_it_may_stand_so_by_chance():
         )
 
 
+def test_explain_says_that_it_is_level_above_the_plane():
+    support = Support(0.9, 0.0, (plane("s1", 1.0),), (), (("h1", 0.12),), (("h1", "s1", 4.0),))
+    f = 0.1 * math.exp(4.0)
+    gain = math.log(f / (1.0 - 0.12 + 0.12 * f))
+    found = line(replace(stack(), support=support), "h1", "level above")
+    assert found.startswith(
+        f"  believed because it is level above s1, on something unknown, or stands on nothing: {gain:+.3g} in log-odds"
+    )
+
+
 def test_in_the_score_reading_it_is_told_as_no_evidence():
     found = line(stack("score"), "h2", "no evidence in this reading")
     assert found.startswith("  most probably it stands on h1; ")

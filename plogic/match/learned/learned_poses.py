@@ -233,9 +233,7 @@ def _rested(index: LearnedIndex, known: Known, data: Data, kb: KnowledgeBase, ta
     """Poses (N, 4, 4) on the plane, refined on it, with their worth (N,), best first."""
     pairs, plane = pairs_of(index, data), known.plane
     poses = set_down(index, pairs, plane, data)
-    if known.area is not None:
-        middles = poses[:, :3, :3] @ index.centre + poses[:, :3, 3]
-        poses = poses[known.area.holds(middles - plane.height(middles)[:, None] * plane.up)]
+    poses = poses[known.over(poses[:, :3, :3] @ index.centre + poses[:, :3, 3])]
     poses = poses[clear_of(taken, index, poses)]
     if not len(poses):
         return NO_POSES, np.zeros(0)

@@ -254,8 +254,9 @@ def _stands(view: View) -> Iterator[str]:
     without = [other for other in view.world if other != name]
     gain = standing.log_weight(view.world) - standing.log_weight(without)
     mark = "no evidence:" if abs(gain) < NOTHING else "believed because" if gain > 0.0 else "against:"
-    level = f", level above {told.state}" if not on and (name, told.state) in standing.level else ""
-    where = f"{_standing(standing, on, others)}{level}"
+    where = _standing(standing, on, others)
+    if not on and (name, told.state) in standing.level:
+        where = f"is level above {told.state}, on something unknown, or stands on nothing"
     yield f"  {mark} it {where}: {gain:+.3g} in log-odds{_by_chance(standing, name)}"
 
 

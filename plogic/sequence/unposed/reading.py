@@ -63,8 +63,9 @@ def _row(h: HypothesisRow | RejectedRow, told: Hypothesis | None, withheld: froz
     hidden_by = {f.id: list(f.hidden_by) for f in told.features}
     features = [{**f, "hidden_by": hidden_by[f["id"]]} for f in h["features"]]
     stances = [row for row in h.get("stances", ()) if not withheld & {h["id"], row["on"]}]
+    known = {key: value for key, value in h.items() if key != "level" or h["id"] not in withheld}
     return {
-        **h,
+        **known,
         "features": features,
         **({} if told.pixel_table is None else told.pixel_table.document()),
         **({"stances": stances} if "stances" in h else {}),

@@ -107,5 +107,7 @@ def test_a_top_is_the_same_as_one_at_its_height_and_place_alone():
     assert [top.same(other) for other in (top, *moved_by)] == [True, True, False]
     assert not top.same(top._replace(area=None))
     assert not top.same(top._replace(plane=Plane(TABLE.up, 0.9 * TABLE.offset)))
-    assert list(top.area.holds(at + np.outer([0.05, 0.15], along))) == [True, False]
-    assert list(top.area.holds(at + np.outer([0.05, 0.15], along), 0.06)) == [True, True]
+    places = at + np.outer([0.05, 0.15], along) + 0.3 * TABLE.up  # however far above
+    assert list(top.over(places)) == [True, False]
+    assert list(top.over(places, 0.06)) == [True, True]
+    assert top._replace(area=None).over(places).all()

@@ -12,7 +12,7 @@ from geometry.frames import compose, look_at, pose_error, turn_about
 from geometry.frames import from_rotation_translation as posed_at
 from sensing.views.maps import PhotoMaps, TypeMaps
 from sensing.views.search import Body
-from sensing.views.standing import spread, stood
+from sensing.views.standing import BLOCK, everywhere_on, spread, stood
 from sensing.views.views import views_of
 
 FACES = resting_faces(PAINT.mesh.vertices)
@@ -62,9 +62,11 @@ def test_on_a_top_is_found_what_stands_there_and_nothing_elsewhere(views):
     found, _ = stood(maps, CAMERA, body, known, FACES, 10)
     off = [pose_error(one, pose) for one in found]
     assert any(angle < np.radians(25.0) and move < 0.15 * pose[2, 3] for angle, move in off)
-    whole, _ = stood(maps, CAMERA, body, known._replace(area=None), FACES, 60)
-    spread_out = [np.ptp(some[:, :3, 3], axis=0).max() for some in (found, whole)]
-    assert spread_out[0] < 0.5 * spread_out[1]
+    laid, whole = (everywhere_on(maps, CAMERA, body, some, FACES) for some in (known, known._replace(area=None)))
+    at = CAMERA.normalised(laid[:, 3:5])
+    seen = np.column_stack([at, np.ones(len(at))]) * (CAMERA.f * body.diameter / laid[:, 2])[:, None]
+    assert known.over(seen, 2.0 * BLOCK * seen[:, 2] / CAMERA.f).all()  # in a square of which something is over it
+    assert 0 < len(laid) < len(whole)
     away = known._replace(area=Area(known.area.at + 5.0, 0.03))
     assert not len(stood(maps, CAMERA, body, away, FACES, 10)[0])
 
