@@ -30,7 +30,7 @@ from geometry.frames import transform_points
 from plogic.base.jobs import each, processors
 from plogic.match.gamma.data import data_of
 from plogic.match.learned.learned_models import LearnedIndex
-from plogic.match.learned.learned_pixels import FITTED, FITTED_SEEN, PROMISING, SCREENED, screened
+from plogic.match.learned.learned_pixels import FITTED, FITTED_SEEN, PROMISING, SCREENED, by_odds, screened
 from plogic.match.learned.learned_poses import proposed
 from plogic.match.learned.learned_views import SEEN, maps_for, seen_anywhere
 from plogic.run.bop.dataset import open_dataset
@@ -128,8 +128,7 @@ def rows_of(perceiver: Perceiver, shown: Seen) -> Iterator[Row]:
         index = perceiver.models[name]
         assert isinstance(index, LearnedIndex)  # noqa: S101 - it has paint
         by_keypoints = screened(index, *proposed(index, data, kb, thin=False), data, (), SCREENED)[:FITTED]
-        poses = seen_anywhere(index, maps, data)
-        by_views = screened(index, poses, np.zeros(len(poses)), data, (), len(poses))[:FITTED_SEEN]
+        by_views = by_odds(photo, paint, seen_anywhere(index, maps, data))[:FITTED_SEEN]
         for score, pose, _ in by_keypoints + by_views:
             found = refined(photo, paint, pose)
             if found is None:

@@ -27,7 +27,7 @@ from geometry.bodies.resting import Plane
 from geometry.bodies.standing import Known, log_ratios, off
 from plogic.base.clock import Stopwatch
 from plogic.cycle.delta import Options
-from plogic.cycle.planes import Bodies, Setting, abduced, bodies_of, standing_on, supported
+from plogic.cycle.planes import Bodies, Setting, abduced, bodies_of, standing_on
 from plogic.facts.hypothesis import Hypothesis
 from plogic.match.gamma.data import data_of
 from plogic.match.learned.learned_models import LearnedIndex
@@ -47,14 +47,14 @@ DEVELOPED = 60_000
 class Looked(NamedTuple):
     """Of one photo: what true poses are off their plane, rows of tilt (rad) and share of the distance.
 
-    ``wrong``, ``right``: of free proposals, whether each stands on the true plane; ``error``: of the plane found, rad
-    and a share of its height, None where there is none. ``narrow``: what pixels tell of the best of each plain type
+    ``stand``: of proposals, by whether each was looked for on a plane and is found: whether it is on the true plane,
+    released where it was put there; ``error``: of the plane found, rad and a share of its height, None where there is
+    none. ``narrow``: what pixels tell of the best of each plain type
     that was looked for on the true plane, and whether it is found.
     """
 
     truths: Floats
-    wrong: list[bool]
-    right: list[bool]
+    stand: dict[tuple[bool, bool], list[bool]]
     error: tuple[float, float] | None
     narrow: list[tuple[float, bool]]
 
@@ -84,23 +84,22 @@ def looked(perceiver: Perceiver, shown: Shown, numbers: dict[str, int]) -> Looke
     cycle = perceiver.cycle(gamma, Options(reading="posterior"), clock, image=shown.image)[1]
     neither = {names.get(number) for number in shown.neither}
     every = (*cycle.accepted, *cycle.considered, *cycle.rejected)
-    some = [h for h in every if h.pixels is not None and not h.put and h.type not in neither]
+    some = [h for h in every if h.pixels is not None and h.type not in neither]
     on = standing_on(abduced(some, [], setting, rests)[0], plane, rests) > 0.5
-    told: dict[bool, list[bool]] = {True: [], False: []}
+    told = {(put, found): list[bool]() for put in (False, True) for found in (False, True)}
     for posed, stands in zip(some, on, strict=True):
-        told[any(_found(posed, truth, perceiver, shown) for name, truth in known if name == posed.type)].append(
-            bool(stands)
-        )
+        there = any(_found(posed, truth, perceiver, shown) for name, truth in known if name == posed.type)
+        told[posed.released is not None, there].append(bool(stands))
     planes = abduced(cycle.accepted, [], setting, rests)[1].planes
     found = planes[0].known.plane if planes else None
     error = None if found is None else (found.turned(plane), abs(found.offset / plane.offset - 1.0))
-    on_it = supported(bodies, rests).planes[0].known
+    on_it = abduced(true_bodies(shown, names, setting.models), [], setting, rests)[1].planes[0].known
     narrow = [
         (best.pixels or 0.0, any(_found(best, truth, perceiver, shown) for name, truth in known if name == best.type))
         for best in looked_for(perceiver, shown, on_it)
         if best.type not in neither
     ]
-    return Looked(off_plane(bodies, plane, rests), told[False], told[True], error, narrow)
+    return Looked(off_plane(bodies, plane, rests), told, error, narrow)
 
 
 def looked_for(perceiver: Perceiver, shown: Shown, known: Known) -> Iterator[Hypothesis]:
@@ -146,11 +145,10 @@ def main(kb_folder: str, dataset: Path, scenes: int | None) -> None:
     truths = np.concatenate([one.truths for one in rows])
     tilt, level = np.sqrt(np.mean(truths[:, 0] ** 2) / 2.0), np.sqrt(np.mean(truths[:, 1] ** 2))
     print(f"{len(truths)} true poses: off their plane by {tilt:.3f} rad about each axis, {level:.4f} of the distance")  # noqa: T201 - a script
-    for name, told in (
-        ("wrong", [s for one in rows for s in one.wrong]),
-        ("found", [s for one in rows for s in one.right]),
-    ):
-        print(f"free proposals that are {name}: {sum(told)} of {len(told)} stand on the true plane")  # noqa: T201
+    for put, found in rows[0].stand:
+        told = [s for one in rows for s in one.stand[put, found]]
+        name = f"{'put on a plane and released' if put else 'free'} proposals that are {'found' if found else 'wrong'}"
+        print(f"{name}: {sum(told)} of {len(told)} stand on the true plane")  # noqa: T201
     narrow = [row for one in rows for row in one.narrow]
     for name, wanted in (("wrong", False), ("found", True)):
         some = [told for told, found in narrow if found is wanted]

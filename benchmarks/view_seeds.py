@@ -5,17 +5,18 @@ number or by name. For each posed object of which a tenth is visible its type is
 (``sensing.views``), whatever print it has; the first pose counts that is within 25°, up to symmetry, 15 % of the depth,
 and 15 % of its size in the picture of its place. Prints how many objects have it among the first 1, 10 and 50, and the
 seconds of processor of a type, with the constants in use and with one of them changed at a time; and the same of the
-search on the plane that the true poses of a photo speak for (``sensing.views.standing``).
+search on the plane that the true poses of a photo speak for (``sensing.views.standing``), by views and as pixels order
+what these suggest there, with what views tell counted so much (``plogic.match.learned.learned_pixels``, ``TOO``).
 """
 
 import argparse
 from collections.abc import Iterator
 from contextlib import ExitStack, contextmanager
 from dataclasses import replace
-from functools import partial
 from pathlib import Path
 from statistics import median
 from time import process_time
+from types import ModuleType
 
 import numpy as np
 
@@ -29,11 +30,14 @@ from geometry.files.remembered import cache_folder
 from geometry.frames import rotation_angle, transform_points
 from kb.clouds.cloud import ObjectType
 from plogic.base.jobs import each, processors
-from plogic.match.learned.learned_views import VIEWS
+from plogic.match.learned import learned_pixels
+from plogic.match.learned.learned_pixels import Seen, by_odds
+from plogic.match.learned.learned_views import PROPOSED_ON, VIEWS
 from plogic.run.bop.dataset import open_dataset
 from plogic.run.bop.models import ids_of, model_names
 from plogic.run.perceive import Perceiver
 from plogic.run.sources import kb_of
+from sensing.pixels.photo import Photo
 from sensing.views import search
 from sensing.views.kept import kept_views
 from sensing.views.maps import PhotoMaps, TypeMaps
@@ -41,7 +45,8 @@ from sensing.views.search import Body, searched, share_maps
 from sensing.views.standing import stood
 
 ANGLE, SHARE = np.radians(25.0), 0.15
-FIRST = 1, 10, 50
+FIRST = 1, 3, 10, 50
+WORTHS = 0.0, 0.02, 0.05, 0.2
 OTHERWISE: tuple[dict[str, object], ...] = (
     {},
     {"LAID": 100},
@@ -56,12 +61,12 @@ OTHERWISE: tuple[dict[str, object], ...] = (
 
 
 @contextmanager
-def constants(changed: dict[str, object]) -> Iterator[None]:
+def constants(changed: dict[str, object], module: ModuleType = search) -> Iterator[None]:
     """The search with some of its constants changed."""
     with ExitStack() as back:
         for name, value in changed.items():
-            back.callback(setattr, search, name, getattr(search, name))
-            setattr(search, name, value)
+            back.callback(setattr, module, name, getattr(module, name))
+            setattr(module, name, value)
         yield
 
 
@@ -96,29 +101,41 @@ def main(kb_folder: str, dataset: Path) -> None:
 
     names = {number: kind.name for number, kind in kinds.items()}
 
-    def looked(shown: Shown, *, on_plane: bool = False) -> list[tuple[int, float]]:
+    def looked(shown: Shown) -> list[tuple[int, float]]:
         maps = PhotoMaps(shown.image)
         share_maps(maps)
-        plane = true_plane(shown, names, perceiver.models, perceiver.kb) if on_plane else None
         rows = []
-        for truth in (
-            truth for truth in shown.truths if truth.obj_id in bodies and (plane is not None or not on_plane)
-        ):
+        for truth in (truth for truth in shown.truths if truth.obj_id in bodies):
             body, began = bodies[truth.obj_id], process_time()
-            if plane is None:
-                poses, _ = searched(maps, shown.camera, body, FIRST[-1])
-            else:
-                faces = perceiver.models[names[truth.obj_id]].resting
-                poses, _ = stood(
-                    TypeMaps(maps, body.views), shown.camera, body, Known(plane, np.eye(3)), faces, FIRST[-1]
-                )
+            poses, _ = searched(maps, shown.camera, body, FIRST[-1])
             spent = process_time() - began
             rows.append((rank(poses, truth, kinds[truth.obj_id], body, shown.camera.f), spent))
         return rows
 
+    def stand(shown: Shown) -> list[list[tuple[int, float]]]:
+        plane = true_plane(shown, names, perceiver.models, perceiver.kb)
+        if plane is None:
+            return []
+        maps, photo, rows = PhotoMaps(shown.image), Photo(shown.image, shown.camera), []
+        share_maps(maps)
+        for truth in (truth for truth in shown.truths if truth.obj_id in bodies):
+            body, paint, began = bodies[truth.obj_id], paints[truth.obj_id], process_time()
+            faces = perceiver.models[names[truth.obj_id]].resting
+            mine, known = TypeMaps(maps, body.views), Known(plane, np.eye(3))
+            seen = Seen(*stood(mine, shown.camera, body, known, faces, PROPOSED_ON))
+            ways = [(seen.poses, process_time() - began)]
+            for worth in WORTHS:
+                with constants({"TOO": worth}, learned_pixels):
+                    began = process_time()
+                    ordered = np.reshape([pose for _, pose, _ in by_odds(photo, paint, seen)], (-1, 4, 4))
+                    ways.append((ordered, process_time() - began))
+            rows.append([(rank(p, truth, kinds[truth.obj_id], body, shown.camera.f), spent) for p, spent in ways])
+        return rows
+
     shown_all = list(photos_of(opened))
-    on_planes = [row for some in each(partial(looked, on_plane=True), shown_all, processors()) for row in some]
-    tell("on the true plane", on_planes)
+    on_planes = [row for some in each(stand, shown_all, processors()) for row in some]
+    for k, said in enumerate(("by views", *(f"by pixels, TOO = {worth}" for worth in WORTHS))):
+        tell(f"on the true plane, {said}", [row[k] for row in on_planes])
     for changed in OTHERWISE:
         with constants(changed):
             rows = [row for some in each(looked, shown_all, processors()) for row in some]

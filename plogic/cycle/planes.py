@@ -13,7 +13,7 @@ from typing import NamedTuple, Protocol
 
 import numpy as np
 
-from geometry.arrays import Floats, Ints
+from geometry.arrays import Floats, Ints, Mask
 from geometry.bodies.resting import Plane, RestingFaces
 from geometry.bodies.standing import (
     NOISES,
@@ -47,8 +47,8 @@ STANDS = 0.5
 """Probability from which something is told to stand on a plane."""
 BY_CHANCE = 0.12
 """P(a proposal of what is not there stands where others do): where a search goes wrong, it does so at things that stand
-(9 of 72 in ``lmo``, 1 of 25 in ``ycb``: ``python benchmarks/planes.py KB DATASET``). One that was looked for on a plane
-does always."""
+(9 of 72 in ``lmo``, 1 of 25 in ``ycb``: ``python benchmarks/planes.py KB DATASET``). So does one that was looked for on
+a plane, where its pixels alone lead it from there (RELEASEDCOUNT of ``lmo``)."""
 STACKED = 0.2
 """P(what rests stands on another of Δh), where there is one that it may stand on: assumed."""
 RAISED = 0.1
@@ -70,18 +70,18 @@ ROUNDS, STILL = 6, 0.002
 class Bodies(NamedTuple):
     """B hypotheses, at most one of each ``kind`` (B,), a number, is there; ``odds`` (B,): logarithms, by all else.
 
-    ``names`` (B) of their types; ``stands``: the ways in which each may stand; ``chance`` (B,): P(its pose would stand
-    as it does, were it not there). ``most`` (B,) is 1, or of what was looked for on a plane, for which to stand exactly
-    there says nothing, by how much that would make its pose likelier. ``noise``: what of it is in ``stands``.
+    ``names`` (B) of their types; ``stands``: the ways in which each may stand; ``put`` (B,): whether it was looked for
+    on a plane, where it would be whether it is there or not. ``noise``: what of it is in ``stands``; ``chance``: P(a
+    pose would stand as it does, were it not there).
     """
 
     names: tuple[str, ...]
     kind: Ints
     odds: Floats
     stands: Stands
-    chance: Floats
-    most: Floats
+    put: Mask
     noise: Noise = Noise(0.0, 0.0)
+    chance: float = BY_CHANCE
 
     @property
     def present(self) -> Floats:
@@ -152,16 +152,13 @@ def abduced(
 ) -> tuple[Bodies, Supported]:
     """Those of Δi and proposals, with the noise that makes them likeliest, and their planes."""
     bodies = bodies_of(accepted, proposed, setting)
-    some = [with_noise(bodies, noise, rests) for noise in NOISES]
+    some = [with_noise(bodies, noise) for noise in NOISES]
     return max(((one, supported(one, rests)) for one in some), key=lambda row: row[1].evidence)
 
 
-def with_noise(bodies: Bodies, noise: Noise, rests: float) -> Bodies:
+def with_noise(bodies: Bodies, noise: Noise) -> Bodies:
     """Bodies whose poses alone are in doubt, off what they stand on as well."""
-    stands, top = noisy(bodies.stands, noise), np.zeros(len(bodies.kind))
-    np.maximum.at(top, stands.body, stands.chance * np.exp(log_peaks(stands)))
-    most = np.where(bodies.chance == 1.0, 1.0 - rests + rests * top, 1.0)
-    return bodies._replace(stands=stands, most=most, noise=noise)
+    return bodies._replace(stands=noisy(bodies.stands, noise), noise=noise)
 
 
 def bodies_of(accepted: Sequence[Hypothesis], proposed: Sequence[Hypothesis], setting: Setting) -> Bodies:
@@ -174,14 +171,12 @@ def bodies_of(accepted: Sequence[Hypothesis], proposed: Sequence[Hypothesis], se
     number = {name: k for k, name in enumerate(dict.fromkeys(kinds))}
     odds = [posed.surplus - posed.stance + setting.before(posed) for posed in some]
     stands = [_ways(k, posed, setting) for k, posed in enumerate(some)]
-    chance = [1.0 if posed.put else BY_CHANCE for posed in some]
     return Bodies(
         tuple(posed.type for posed in some),
         np.array([number[name] for name in kinds], np.intp),
         np.array(odds, float),
         joined(stands),
-        np.array(chance, float),
-        np.ones(len(some)),
+        np.array([posed.released is not None for posed in some], bool),
     )
 
 
@@ -205,7 +200,7 @@ class Standing(Protocol):
 
 
 def _ways(number: int, posed: Hypothesis, setting: Setting) -> Stands:
-    model, pose = setting.models[posed.type], posed.camera_from_object
+    model, pose = setting.models[posed.type], posed.camera_from_object if posed.released is None else posed.released
     if posed.pixels is not None and posed.spread is None:
         return roughly(number, model, pose)
     told = np.asarray(np.linalg.inv(pose_information(posed, setting.camera, setting.kb)))
@@ -226,7 +221,7 @@ def supported(bodies: Bodies, rests: float) -> Supported:
     """The planes that the bodies speak for, where a thing ``rests`` with that chance, and what standing is worth."""
     from scipy.special import logsumexp
 
-    number, put = len(bodies.kind), bodies.most > 1.0
+    number = len(bodies.kind)
     planes = _abduced(bodies, rests) if number else []
     if not planes:
         nothing = np.array([1.0 - NONE, NONE])
@@ -234,17 +229,15 @@ def supported(bodies: Bodies, rests: float) -> Supported:
     shares = np.array([plane.log_prior for plane in planes])
     elsewhere = np.log(max(1.0 - NONE - float(np.exp(shares).sum()), 1e-12))
     prior = np.array([*shares, elsewhere, np.log(NONE)])
-    elsewhere_too = np.where(put, _free(bodies, rests), 1.0 - rests + rests * RAISED)  # or level above that plane
-    neither = elsewhere_too, 1.0 / bodies.most
-    factors = np.stack([*(plane.factors for plane in planes), *neither])
+    elsewhere_too = np.where(bodies.put, 1.0 - rests, 1.0 - rests + rests * RAISED)  # or level above that plane
+    factors = np.stack([*(plane.factors for plane in planes), elsewhere_too, np.ones(number)])
     there = bodies.present
     of_kind = 1.0 - bodies.sums(there) + np.stack([bodies.sums(there * row) for row in factors])
     logs = prior + np.log(of_kind).sum(axis=1)
     probability = np.exp(logs - logsumexp(logs))
     without = logs[:, None] - np.log(of_kind)[:, bodies.kind]  # (P + 2, B) by all other types
     present = logsumexp(without + np.log(factors), axis=0) - logsumexp(without, axis=0)
-    by_chance = np.log(1.0 - bodies.chance + bodies.chance * np.exp(present))
-    worth = present - np.where(put, 0.0, by_chance)
+    worth = present - np.where(bodies.put, 0.0, np.log(_by_chance(bodies, np.exp(present))))
     first = np.unique(bodies.kind, return_index=True)[1]
     types = tuple(bodies.names[body] for body in first)
     told, evidence = np.log(of_kind), float(logsumexp(logs))
@@ -287,39 +280,38 @@ def _settled(bodies: Bodies, plane: Plane, start: int, rests: float) -> Known | 
     return known if known.plane.offset > 0.0 else None
 
 
-def _free(bodies: Bodies, rests: float) -> Floats:
-    """(B,) how likely each pose is that stands on no plane, where planes are."""
-    return (1.0 - rests) / bodies.most
-
-
 def _factors(bodies: Bodies, plane: Plane, rests: float) -> tuple[Floats, Floats, Floats]:
-    """(B,) how much likelier each pose is where the plane holds, and (N,) each way's part of it: on it, and above it.
-
-    What was looked for on a plane is as likely as it stands on this one: how exactly, its pixels and contact said.
-    """
-    of = bodies.stands.body
-    put = bodies.most > 1.0
+    """(B,) how much likelier each pose is where the plane holds; (N,) each way's part of it: on it, and above it."""
     both = np.exp(np.minimum([log_ratios(bodies.stands, plane), log_level(bodies.stands, plane)], 50.0))
     on, above = np.array([[1.0 - RAISED], [RAISED]]) * rests * bodies.stands.chance * both
-    above[put[of]] = 0.0
-    told = np.bincount(of, on + above, minlength=len(bodies.kind))
-    most = np.where(put, 1.0 - rests + told, 1.0)
-    return np.asarray(_free(bodies, rests) + told / most), on / most[of], above / most[of]
+    told = np.bincount(bodies.stands.body, on + above, minlength=len(bodies.kind))
+    return np.asarray(1.0 - rests + told), on, above
+
+
+def _by_chance(bodies: Bodies, factors: Floats) -> Floats:
+    """(B,) how much likelier each pose is where it is not there, for it stands by chance."""
+    return 1.0 - bodies.chance + bodies.chance * factors
+
+
+def _searched(bodies: Bodies, factors: Floats) -> Floats:
+    """(B,) by what factors speak for a plane less: what was looked for on one is there by chance whether it holds."""
+    return np.where(bodies.put, _by_chance(bodies, factors), 1.0)
 
 
 def standing_on(bodies: Bodies, plane: Plane, rests: float) -> Floats:
     """(B,) P(each stands on a plane, given that it is there and that the plane is)."""
     factors, on, _ = _factors(bodies, plane, rests)
     told = np.bincount(bodies.stands.body, on, minlength=len(factors))
-    return np.asarray(np.where(bodies.most > 1.0, told, told / factors))
+    return np.asarray(told / factors)
 
 
 def _shares(bodies: Bodies, plane: Plane, there: Floats, rests: float) -> tuple[Floats, Floats]:
     """(N,) P(each way of standing is how its body stands), where the plane holds: on it, and above it."""
     factors, *parts = _factors(bodies, plane, rests)
-    of_kind = 1.0 - bodies.sums(there) + bodies.sums(there * factors)
+    less = _searched(bodies, factors)
+    of_kind = 1.0 - bodies.sums(there) + bodies.sums(there * factors / less)
     of = bodies.stands.body
-    on, above = there[of] * np.array(parts) / of_kind[bodies.kind[of]]
+    on, above = (there / less)[of] * np.array(parts) / of_kind[bodies.kind[of]]
     return on, above
 
 
@@ -339,10 +331,10 @@ def _stacked(bodies: Bodies, known: Known, on: Floats, there: Floats, rests: flo
             if here.any() and top.plane.offset > 0.0:
                 some = Stands(*(part[here] for part in stands))
                 told[here] += share[lower] * some.chance * np.exp(np.minimum(log_ratios(some, top.plane), 50.0))
-        told *= rests * STACKED / bodies.most[of]
+        told *= rests * STACKED
         mine = np.bincount(of, told, minlength=len(total))
         total += mine
-        share, high = there[of] * told / (_free(bodies, rests) + mine)[of], above
+        share, high = there[of] * told / (1.0 - rests + mine)[of], above
     return total
 
 
@@ -350,6 +342,7 @@ def _weighed(bodies: Bodies, known: Known, there: Floats, rests: float) -> tuple
     """How much all bodies speak for a plane; and what they do."""
     shares, _ = _shares(bodies, known.plane, there, rests)
     factors = _factors(bodies, known.plane, rests)[0] + _stacked(bodies, known, shares, there, rests)
+    factors /= _searched(bodies, factors)
     volume = 1.5 * np.log(2.0 * np.pi) + 0.5 * float(np.linalg.slogdet(known.covariance)[1])
     log_prior = float(np.log(1.0 - NONE) + min(0.0, float(log_free(known.plane.offset)) + volume))
     of_kind = 1.0 - bodies.sums(there) + bodies.sums(there * factors)

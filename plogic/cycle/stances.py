@@ -15,7 +15,18 @@ from geometry.bodies.resting import Plane, along_plane
 from geometry.bodies.standing import NOISES, Known, Stands, log_level, log_ratios
 from geometry.frames import transform_points
 from plogic.base.walk import by_key
-from plogic.cycle.planes import MOST, RAISED, STACKED, Bodies, Setting, Supported, abduced, bodies_of, with_noise
+from plogic.cycle.planes import (
+    BY_CHANCE,
+    MOST,
+    RAISED,
+    STACKED,
+    Bodies,
+    Setting,
+    Supported,
+    abduced,
+    bodies_of,
+    with_noise,
+)
 from plogic.facts.hypothesis import Hypothesis
 from plogic.facts.stances import Row, Stance, Support, SupportPlane
 
@@ -61,15 +72,14 @@ def support_of_view(
         bodies, found = abduced(accepted, rivals, setting, rests)
     else:
         noise = next((plane.known.noise for plane in told_by.planes), NOISES[0])
-        bodies, found = with_noise(bodies_of(accepted, rivals, setting), noise, rests), told_by
+        bodies, found = with_noise(bodies_of(accepted, rivals, setting), noise), told_by
     prior = found.without({some.type for some in posed.values()})
     some = [k for k in range(len(found.planes)) if found.probability[k] > HARDLY][:MOST]
     planes = {f"s{n}": found.planes[k].known for n, k in enumerate(some, 1)}
     ways = [way for name, known in planes.items() for way in _on_plane(name, bodies.stands, known.plane)]
     if planes:
         ways += _on_others(names, posed, bodies, planes["s1"].plane)
-    mine = zip(names, bodies.chance.tolist(), strict=False)
-    by_chance = tuple((name, e) for name, e in mine if posed[name].status == "accepted")  # a rival is no other find
+    by_chance = tuple((name, BY_CHANCE) for name in names[: len(accepted)])  # a rival is no other find
     told = tuple(_told(name, known, float(prior[k])) for k, (name, known) in zip(some, planes.items(), strict=True))
     level = tuple(_level(names, bodies, planes, rests))
     return Support(rests, float(prior[-1]), told, tuple(_stances(names, ways, rests)), by_chance, level)
@@ -98,8 +108,8 @@ def _level(
     for plane, known in planes.items():
         ratios = bodies.stands.chance * np.exp(log_level(bodies.stands, known.plane))
         above = np.bincount(bodies.stands.body, ratios, minlength=len(names)) * rests * RAISED / (1.0 - rests)
-        for name, one, put in zip(names, above, bodies.chance == 1.0, strict=True):
-            if one > WORTHLESS and not put:
+        for name, one in zip(names, above, strict=True):
+            if one > WORTHLESS:
                 yield name, plane, float(np.log1p(one))
 
 

@@ -13,7 +13,7 @@ import numpy as np
 from geometry.arrays import Floats
 from sensing.pixels.crop import Crop, clear
 from sensing.pixels.drawn import Drawn
-from sensing.pixels.loops import both_sides, edge_off, nearby, rim_of, shifted
+from sensing.pixels.loops import both_sides, edge_off, nearby, ridges_of, rim_of, shifted
 
 MOST, MOST_CREASES = 160, 120
 """Lines across an outline, and across creases, evenly chosen."""
@@ -67,22 +67,11 @@ def creases_of(crop: Crop, drawn: Drawn, slack: float) -> Lines:
     share = np.maximum(cv2.GaussianBlur(mask, (0, 0), 1.2), 0.2)[..., None]
     smooth = cv2.GaussianBlur(drawn.normal.astype(np.float32), (0, 0), 1.2) / share
     a, b = (cv2.Sobel(smooth, cv2.CV_32F, *way) / 8.0 for way in ((1, 0), (0, 1)))
-    xx, xy, yy = (a * a).sum(axis=2), (a * b).sum(axis=2), (b * b).sum(axis=2)
-    bend, turn = np.sqrt(xx + yy), 0.5 * np.arctan2(2.0 * xy, xx - yy)
     inside = cv2.erode(drawn.mask.astype(np.uint8), np.ones((7, 7), np.uint8), borderValue=0) > 0
-    y, x = np.nonzero(inside & clear(crop, drawn, slack) & (bend > CREASED))
-    across = np.column_stack([np.cos(turn[y, x]), np.sin(turn[y, x])])
-    step = np.rint(across).astype(int)
-    width, height = crop.shape
-    ahead, behind = (
-        bend[np.clip(y + sign * step[:, 1], 0, height - 1), np.clip(x + sign * step[:, 0], 0, width - 1)]
-        for sign in (1, -1)
-    )
-    ridge = np.flatnonzero((bend[y, x] >= ahead) & (bend[y, x] > behind))
-    some = ridge[:: max(1, -(-len(ridge) // MOST_CREASES))]
-    return lines_at(
-        np.column_stack([x, y]).astype(float)[some], across[some], drawn.depth[y, x][some], len(ridge), len(ridge)
-    )
+    at, across = ridges_of(a, b, inside & clear(crop, drawn, slack), CREASED)
+    some = slice(None, None, max(1, -(-len(at) // MOST_CREASES)))
+    x, y = at[some].T
+    return lines_at(at[some], across[some], drawn.depth[y, x], len(at), len(at))
 
 
 def on_edges(crop: Crop, lines: Lines, reach: int) -> Floats:

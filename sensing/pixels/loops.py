@@ -49,6 +49,53 @@ def rim_of(mask: Any, smooth: Any, depth: Any, near: Any, slack: float, rim: int
     return at[:n].copy(), across[:n].copy(), deep[:n].copy(), whole
 
 
+@njit("f4[:,:,::1](f4[:,:,::1], f4[:,:,::1])", cache=True)
+def steepest_of(a: Any, b: Any) -> Any:
+    """(h, w, 2) the slopes along x and y, (h, w, C) each, of the channel in which they are steepest."""
+    high, wide, channels = a.shape
+    result = np.empty((high, wide, 2), np.float32)
+    for y in range(high):
+        for x in range(wide):
+            best, most = 0, np.float32(-1.0)
+            for c in range(channels):
+                steep = a[y, x, c] * a[y, x, c] + b[y, x, c] * b[y, x, c]
+                if steep > most:
+                    best, most = c, steep
+            result[y, x, 0], result[y, x, 1] = a[y, x, best], b[y, x, best]
+    return result
+
+
+@njit("Tuple((i8[:,::1], f8[:,::1]))(f4[:,:,::1], f4[:,:,::1], b1[:,::1], f8)", cache=True)
+def ridges_of(a: Any, b: Any, inside: Any, least: float) -> Any:
+    """Places x, y (N, 2) ``inside`` (h, w) where a normal bends most, by more than ``least``, and which way (N, 2).
+
+    ``a``, ``b`` (h, w, 3): its slopes along x and y.
+    """
+    high, wide = inside.shape
+    bend, turn = np.empty((high, wide)), np.empty((high, wide))
+    for y in range(high):
+        for x in range(wide):
+            xx, xy, yy = 0.0, 0.0, 0.0
+            for c in range(3):
+                xx += a[y, x, c] * a[y, x, c]
+                xy += a[y, x, c] * b[y, x, c]
+                yy += b[y, x, c] * b[y, x, c]
+            bend[y, x], turn[y, x] = np.sqrt(xx + yy), 0.5 * np.arctan2(2.0 * xy, xx - yy)
+    at, across, n = np.empty((high * wide, 2), np.int64), np.empty((high * wide, 2)), 0
+    for y in range(high):
+        for x in range(wide):
+            if not inside[y, x] or bend[y, x] <= least:
+                continue
+            c, s = np.cos(turn[y, x]), np.sin(turn[y, x])
+            i, j = int(np.rint(c)), int(np.rint(s))
+            ahead = bend[min(max(y + j, 0), high - 1), min(max(x + i, 0), wide - 1)]
+            behind = bend[min(max(y - j, 0), high - 1), min(max(x - i, 0), wide - 1)]
+            if bend[y, x] >= ahead and bend[y, x] > behind:
+                at[n, 0], at[n, 1], across[n, 0], across[n, 1] = x, y, c, s
+                n += 1
+    return at[:n].copy(), across[:n].copy()
+
+
 @njit("f8(f4[:,:,::1], f8, f8, f8, f8)", cache=True)
 def rise_at(gradient: Any, x: float, y: float, a: float, b: float) -> float:
     """How steep a photo is at a place along (a, b); 0 where it is not steepest about along it, and outside."""

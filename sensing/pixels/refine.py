@@ -81,13 +81,15 @@ further: of 128 objects that are found or right in 17 photos and 36 simulated on
 class Refined(NamedTuple):
     """A pose (4, 4) and its whole fit; ``hopeless``: nothing fits near, and it was not moved to the end.
 
-    ``spread``: as of ``spread_of``; None of what is hopeless.
+    ``spread``: as of ``spread_of``; None of what is hopeless and has no contact. ``released`` (4, 4): where the pixels
+    alone lead it from its contact; None without one.
     """
 
     pose: Floats
     fit: Fit
     hopeless: bool = False
     spread: Floats | None = None
+    released: Floats | None = None
 
 
 def refined(
@@ -110,21 +112,24 @@ def refined(
         coarse, fits = coarse + new, fits + fits_of(small, paint, new)
         found, trust = ordered(coarse, fits, paint, contact)
         if max(choice(fits)[1]) < HOPELESS[0]:
-            return _given_up(large, paint, found[0][0])
+            return _at(large, paint, found[0][0], trust, contact, hopeless=True)
     coarse = [settled(small, paint, some, far(trust), contact) for some, _ in found[:KEPT]]
     fits = fits_of(small, paint, coarse)
     found, trust = ordered(coarse, fits, paint, contact)
     if max(choice(fits)[1]) < HOPELESS[1]:
-        return _given_up(large, paint, found[0][0])
+        return _at(large, paint, found[0][0], trust, contact, hopeless=True)
     best = different([some for some, score in found if score >= found[0][1] - CLOSE], paint)
     poses = [pose, *(settled(large, paint, some, exact(trust), contact) for some in best)]
     chosen = ordered(poses, fits_of(large, paint, poses), paint, contact)[0][0][0]
-    fit = fit_of(large, paint, chosen, whole=True)
-    return Refined(chosen, fit, spread=spread_of(large, paint, chosen, fit))
+    return _at(large, paint, chosen, trust, contact)
 
 
-def _given_up(large: Crop, paint: Paint, pose: Floats) -> Refined:
-    return Refined(pose, fit_of(large, paint, pose, whole=True), hopeless=True)
+def _at(
+    crop: Crop, paint: Paint, pose: Floats, trust: float, contact: Contact | None, *, hopeless: bool = False
+) -> Refined:
+    fit = fit_of(crop, paint, pose, whole=True)
+    spread = spread_of(crop, paint, pose, fit) if contact is not None or not hopeless else None
+    return Refined(pose, fit, hopeless, spread, None if contact is None else settled(crop, paint, pose, exact(trust)))
 
 
 def spread_of(crop: Crop, paint: Paint, pose: Floats, fit: Fit) -> Floats | None:

@@ -35,8 +35,8 @@ def bodies(poses, odds, kinds=None, tilt=0.05, spread=SPREAD, chance=0.0, put=()
         np.arange(len(poses)) if kinds is None else np.array(kinds),
         np.array(odds, float),
         stands,
-        np.where(np.isin(range(len(poses)), put), 1.0, chance),
-        np.where(np.isin(range(len(poses)), put), 500.0, 1.0),
+        np.isin(range(len(poses)), put),
+        chance=chance,
     )
 
 
@@ -114,25 +114,30 @@ def test_what_would_stand_by_chance_gains_no_more_than_that_allows(chance):
     np.testing.assert_allclose(some, sure - np.log(1.0 - chance + chance * np.exp(sure)))
 
 
-def test_what_was_looked_for_on_a_plane_gains_nothing_by_standing_there_and_is_as_likely_as_the_plane():
+def test_what_was_looked_for_on_a_plane_gains_by_standing_there_still_and_loses_where_it_left_or_the_plane_is_another():
     poses = [pose(0.0, 0.0), pose(0.2, 0.1, 1.0), pose(-0.1, 0.15, 2.0), pose(0.1, -0.1, 0.5)]
-    sure = supported(bodies(poses, [4.0] * 4, put=[3]), RESTS)
+    sure = supported(bodies(poses, [4.0] * 4, put=[3], chance=0.1), RESTS)
     assert sure.probability[0] > 0.95
-    assert sure.worth[3] == pytest.approx(0.0, abs=0.05)
-    doubtful = supported(bodies([poses[0], poses[3]], [4.0, 4.0], put=[1]), RESTS)
-    table = max(range(len(doubtful.planes)), key=lambda k: doubtful.planes[k].known.plane.up @ TABLE.up)
-    assert doubtful.worth[1] == pytest.approx(np.log(doubtful.without({"t1"})[table]), abs=0.5)
-    assert doubtful.worth[1] < np.log(0.5)
+    assert 2.0 < sure.worth[3] <= np.log(10.0)
+    left = supported(bodies([*poses[:3], pose(0.1, -0.1, 0.5, 0.15, 0.5)], [4.0] * 4, put=[3], chance=0.1), RESTS)
+    assert left.worth[3] == pytest.approx(np.log((1.0 - RESTS) / 0.9), abs=0.1)
+    tipped = [pose(0.0, 0.0, 0.0, 0.0, 0.9), pose(0.2, 0.1, 1.0, 0.0, 0.9), poses[3]]
+    assert supported(bodies(tipped, [4.0, 4.0, 2.0], put=[2], chance=0.1), RESTS).worth[2] < 0.5
+
+
+def of_table(found):
+    return max(range(len(found.planes)), key=lambda k: found.planes[k].known.plane.up @ TABLE.up)
 
 
 @settings(max_examples=30, deadline=None, derandomize=True)
-@given(st.floats(-2.0, 5.0))
-def test_what_was_looked_for_on_a_plane_speaks_for_it_as_far_as_it_is_there(odds):
+@given(st.floats(-2.0, 5.0), st.floats(0.05, 0.5))
+def test_what_was_looked_for_on_a_plane_speaks_for_it_less_than_what_was_found_anywhere(odds, chance):
     poses = [pose(0.0, 0.0), pose(0.2, 0.1, 1.0)]
-    found = supported(bodies(poses, [3.0, odds], put=[1]), RESTS)
-    table = max(range(len(found.planes)), key=lambda k: found.planes[k].known.plane.up @ TABLE.up)
-    more = found.told[table, 1] - found.told[-2, 1]
-    assert 0.0 < more <= np.log1p(np.exp(odds)) + 1e-9
+    some, more = (supported(bodies(poses, [3.0, odds], put=put, chance=chance), RESTS) for put in ([1], []))
+    said, free = (one.told[of_table(one), 1] - one.told[-1, 1] for one in (some, more))
+    there = 1.0 / (1.0 + np.exp(-odds))
+    assert 0.0 < said <= np.log(1.0 - there + there / chance) + 1e-9
+    assert said <= free + 1e-6
 
 
 @settings(max_examples=30, deadline=None, derandomize=True)

@@ -16,10 +16,10 @@ from plogic.facts.hypothesis import Hypothesis
 if TYPE_CHECKING:
     from collections.abc import Callable, Generator, Iterable, Sequence
 
-    from geometry.arrays import Floats
     from plogic.match.gamma.data import Data
     from plogic.match.judged.type_models import Found
     from plogic.match.learned.learned_models import LearnedIndex
+    from plogic.match.learned.learned_pixels import Seen
 
 
 def ask(indices: Iterable[LearnedIndex], data: Data) -> None:
@@ -32,13 +32,13 @@ _SAID = tuple(field.name for field in fields(Hypothesis) if field.name != "known
 
 
 def searched(
-    search: Callable[[LearnedIndex], tuple[Found, Floats]], indices: Sequence[LearnedIndex], data: Data, processes: int
-) -> Generator[tuple[Found, Floats]]:
+    search: Callable[[LearnedIndex], tuple[Found, Seen]], indices: Sequence[LearnedIndex], data: Data, processes: int
+) -> Generator[tuple[Found, Seen]]:
     """The hypotheses that a search finds of each index in ``data``, in their order; the poses that looks suggest."""
     if processes > 1:
         ask(indices, data)
 
-    def said(index: LearnedIndex) -> tuple[list[tuple[float, list[Any]]], Floats]:
+    def said(index: LearnedIndex) -> tuple[list[tuple[float, list[Any]]], Seen]:
         found, seen = search(index)
         return [(ratio, [getattr(posed, name) for name in _SAID]) for ratio, posed in found], seen
 

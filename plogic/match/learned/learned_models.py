@@ -33,7 +33,7 @@ from plogic.match.learned.convincing import demanded
 from plogic.match.learned.keypoints import Lexicon, lexicon_of
 from plogic.match.learned.learned_jobs import ask, searched
 from plogic.match.learned.learned_match import ROBUST, matched, pose_of, precision
-from plogic.match.learned.learned_pixels import NO_POSES, hiding, looked_beside, pictured, stood
+from plogic.match.learned.learned_pixels import NOT_SEEN, Seen, hiding, looked_beside, pictured, stood
 from plogic.match.learned.learned_poses import NOBODY, REFINED, VERIFIED, Voted, generate, resting, voted
 from plogic.match.learned.learned_views import (
     PRINTED,
@@ -271,7 +271,7 @@ class LearnedSearch(Search):
     models: Mapping[str, LearnedIndex]
     request: Request
     _searched: dict[str, int] = field(default_factory=dict)
-    _seen: dict[str, Floats] = field(default_factory=dict)
+    _seen: dict[str, Seen] = field(default_factory=dict)
     _odds: dict[str, float] = field(default_factory=dict)
     _demanded: float = SEEN
     _stood: dict[str, list[Known]] = field(default_factory=dict)
@@ -308,7 +308,7 @@ class LearnedSearch(Search):
         whole = len(left.ids) == len(self.request.data.ids)
         maps = self._maps
 
-        def search(index: LearnedIndex) -> tuple[Found, Floats]:
+        def search(index: LearnedIndex) -> tuple[Found, Seen]:
             name = index.object_type.name
             most = AGAIN if name in self._searched else REFINED
             seen = self._seen[name] if name in self._seen else seen_anywhere(index, maps, self.request.data)
@@ -351,14 +351,14 @@ class LearnedSearch(Search):
         if maps is not None:
             draw([index for index in asked if index.paint is not None], self.request.processes)
 
-        def search(index: LearnedIndex) -> tuple[Found, Floats]:
+        def search(index: LearnedIndex) -> tuple[Found, Seen]:
             some = new[index.object_type.name]
             found = [
                 row
                 for known, seen in zip(some, seen_on(index, maps, self.request.data, some), strict=True)
                 for row in resting(index, known, left, self.request.kb, taken, before=before, seen=seen)
             ]
-            return distinct(found, index.object_type), NO_POSES
+            return distinct(found, index.object_type), NOT_SEEN
 
         with closing(searched(search, asked, left, self.request.processes)) as searches:
             for index, (found, _) in zip(asked, searches, strict=True):

@@ -11,7 +11,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
-from typing import TYPE_CHECKING, TypeAlias
+from typing import TYPE_CHECKING, NamedTuple, TypeAlias
 
 import numpy as np
 
@@ -24,7 +24,7 @@ from plogic.match.judged.expectation import FEWEST
 from plogic.match.judged.rivals import apart_on_screen, distinct, overlap, same_place
 
 if TYPE_CHECKING:
-    from geometry.arrays import Floats
+    from geometry.arrays import Floats, Mask
     from geometry.bodies.standing import Known
     from kb.clouds.cloud import KnowledgeBase
     from plogic.facts.hypothesis import Hypothesis
@@ -41,6 +41,20 @@ SCREENED, FITTED, FITTED_SEEN, FITTED_ON = 6, 2, 3, 2
 """Poses of a type whose pixels are looked at; those that are moved to where the pixels fit best; and of those that
 views suggest, anywhere and on a plane."""
 NO_POSES = np.zeros((0, 4, 4))
+
+
+class Seen(NamedTuple):
+    """Poses (N, 4, 4) that views of a type suggest, the best first, and what the views tell of each (N,), nats."""
+
+    poses: Floats
+    told: Floats
+
+    def some(self, which: Mask) -> Seen:
+        """Those of which (N,) is true."""
+        return Seen(self.poses[which], self.told[which])
+
+
+NOT_SEEN = Seen(NO_POSES, np.zeros(0))
 PROMISING = 4.0
 """Fit, in ``sensing.pixels.energy``, that few poses of absent types have (``python benchmarks/pixel_odds.py``): one
 that has it is refined whatever its keypoints say."""
@@ -49,6 +63,8 @@ FAINT = 1.0
 CLEAR = 3.0
 """The same of poses on tops, and of types with print on a plane, of which there are many: in a trace of ten rendered
 scenes all eleven that were right had more, and 162 of 769 others."""
+TOO = 0.05
+"""What a unit of what views tell is worth beside what pixels tell (``python benchmarks/view_seeds.py``)."""
 WORTHY = 25.0
 """Worth of a pose that is refined whatever its pixels say."""
 
@@ -61,12 +77,12 @@ def by_pixels(
     kb: KnowledgeBase,
     *,
     before: Sequence[Before] = (),
-    seen: Floats = NO_POSES,
+    seen: Seen = NOT_SEEN,
     contact: Contact | None = None,
 ) -> list[tuple[float, Hypothesis]]:
     """Of refined poses (N, 4, 4), best first, those that the pixels speak for, moved to where these fit best.
 
-    ``seen`` (M, 4, 4): poses that keypoints say nothing of, best first; ``contact``: what all of them stand on.
+    ``seen``: poses that keypoints say nothing of; ``contact``: what all of them stand on.
     """
     from sensing.pixels.refine import CLOSE, refined
 
@@ -76,12 +92,12 @@ def by_pixels(
     by_keypoints = [
         row for row in screened(index, best, worth, data, before, SCREENED) if row[0] >= PROMISING or row[2] >= WORTHY
     ]
-    looked = screened(index, seen, np.zeros(len(seen)), data, before, len(seen))
+    looked = by_odds(photo, paint, seen, before)
     most = FITTED_SEEN if contact is None else FITTED_ON
     many = contact is not None and (contact.known.area is not None or not index.plain)
     by_views = [row for row in looked if row[0] >= (CLEAR if many else FAINT)][:most]
     if contact is not None and not many:  # and the first of the few on a plane, which its views alone know well
-        by_views += [row for row in looked[most:] if np.array_equal(row[1], seen[0])]
+        by_views += [row for row in looked[most:] if np.array_equal(row[1], seen.poses[0])]
     starts = [(*row[:2], True) for row in by_keypoints[:FITTED]] + [(*row[:2], False) for row in by_views]
     found: list[tuple[float, Hypothesis]] = []
     tried: list[tuple[float, Floats]] = []
@@ -114,7 +130,7 @@ def _of_half_turns(index: LearnedIndex, at: Refined, photo: Photo, before: Seque
 
 def _told(index: LearnedIndex, at: Refined, data: Data, kb: KnowledgeBase) -> list[tuple[float, Hypothesis]]:
     """The hypothesis of a refined pose, with its log-likelihood ratio; none where too little of it is detected."""
-    moved = index.settle(at.pose, data, kb, rounds=0).told(pixels=at.fit.odds, spread=at.spread)
+    moved = index.settle(at.pose, data, kb, rounds=0).told(pixels=at.fit.odds, spread=at.spread, released=at.released)
     enough = (moved.candidate & moved.detected).sum() >= FEWEST
     return [(evidence(moved, data, kb).ratio, moved)] if enough else []
 
@@ -138,6 +154,21 @@ def screened(
             crop = crop_of(photo, paint, pose, COARSE, before)
             rows.append((fit_of(crop, paint, pose).score if crop is not None else -np.inf, pose, float(value)))
     return sorted(rows, key=lambda row: -row[0])
+
+
+def by_odds(photo: Photo, paint: Paint, seen: Seen, before: Sequence[Before] = ()) -> list[tuple[float, Floats, float]]:
+    """How well poses fit that views suggest, as ``screened``; first what the pixels tell most of, and the views too."""
+    from sensing.pixels.crop import crop_of
+    from sensing.pixels.energy import fit_of
+    from sensing.pixels.refine import COARSE
+
+    rows: list[tuple[float, tuple[float, Floats, float]]] = []
+    for pose, told in zip(*seen, strict=True):
+        crop = crop_of(photo, paint, pose, COARSE, before)
+        if crop is not None:
+            fit = fit_of(crop, paint, pose, whole=True)
+            rows.append((fit.odds + TOO * told, (fit.score, pose, 0.0)))
+    return [row for _, row in sorted(rows, key=lambda row: -row[0])]
 
 
 def _in_one_place(paint: Paint, pose: Floats, other: Floats) -> bool:

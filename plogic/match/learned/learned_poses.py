@@ -20,7 +20,7 @@ from plogic.match.judged.expectation import FEWEST
 from plogic.match.judged.rivals import apart, distinct, distinct_poses
 from plogic.match.learned.agreement import agreement, votes
 from plogic.match.learned.keypoints import SEEDS, Pairs, depths, pairs_of, plausible, sights, single_poses, turns
-from plogic.match.learned.learned_pixels import NO_POSES, Before, by_pixels
+from plogic.match.learned.learned_pixels import NO_POSES, NOT_SEEN, Before, Seen, by_pixels
 from plogic.match.learned.learned_refinement import ROUNDS, Round, held_at, refined
 
 if TYPE_CHECKING:
@@ -77,21 +77,21 @@ def generate(
     before: Sequence[Before] = (),
     width: tuple[int, int] = (REFINED, VERIFIED),
     of: Voted | None = None,
-    seen: Floats = NO_POSES,
+    seen: Seen = NOT_SEEN,
 ) -> list[tuple[float, Hypothesis]]:
     """The settled poses with their log-likelihood ratios, best first.
 
     ``width``: how many poses are refined and settled; ``of``: what the data vote for, where that is known;
-    ``before``: what hides pixels, where it is nearer; ``seen`` (M, 4, 4): poses that the photo suggests otherwise.
+    ``before``: what hides pixels, where it is nearer; ``seen``: poses that the photo suggests otherwise.
 
     ``taken`` (N, 4): middles, camera frame, and inner radii of bodies that are there already, m: poses that overlap
     them (A4) are not looked at.
     """
     thin = width[1] <= VERIFIED
     poses, worth = proposed(index, data, kb, *width, taken, thin=thin, of=of)
-    if data.photo is not None and len(poses) + len(seen) and index.paint is not None:
+    if data.photo is not None and len(poses) + len(seen.poses) and index.paint is not None:
         clear = clear_of(taken, index, poses)
-        seen = seen[clear_of(taken, index, seen)]
+        seen = seen.some(clear_of(taken, index, seen.poses))
         return by_pixels(index, poses[clear], worth[clear], data, kb, before=before, seen=seen)
     poses = poses[worth >= WORTHLESS] if thin else poses
     return settled_best(index, poses[clear_of(taken, index, poses)], data, kb, width[1])
@@ -214,16 +214,16 @@ def resting(
     taken: Floats,
     *,
     before: Sequence[Before] = (),
-    seen: Floats = NO_POSES,
+    seen: Seen = NOT_SEEN,
 ) -> list[tuple[float, Hypothesis]]:
     """Γ's poses on the plane, settled and then free to leave it, with log-likelihood ratios, best first.
 
-    ``taken`` (N, 4): middles, camera frame, and inner radii of bodies that stand there already, m; ``seen`` (M, 4, 4):
+    ``taken`` (N, 4): middles, camera frame, and inner radii of bodies that stand there already, m; ``seen``:
     poses on the plane that the photo suggests otherwise. By pixels they leave it as far as it is not known.
     """
     best, worth = _rested(index, known, data, kb, taken)
     if data.photo is not None and index.paint is not None:
-        seen = seen[clear_of(taken, index, seen)]
+        seen = seen.some(clear_of(taken, index, seen.poses))
         contact = Contact(known, index.resting)
         return by_pixels(index, best, worth, data, kb, before=before, seen=seen, contact=contact)
     return settled_best(index, best[worth >= WORTHLESS], data, kb, VERIFIED_RESTING)

@@ -16,12 +16,11 @@ import numpy as np
 
 from geometry.files.remembered import cache_folder
 from plogic.base.jobs import each
-from plogic.match.learned.learned_pixels import NO_POSES
+from plogic.match.learned.learned_pixels import NOT_SEEN, Seen
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from geometry.arrays import Floats
     from geometry.bodies.standing import Known
     from kb.clouds.learned import LearnedCloud
     from plogic.match.gamma.data import Data
@@ -36,8 +35,8 @@ VIEWS = 400
 SEEN = 3.0
 """Log-likelihood ratio from which pixels convince before all types were searched for (``convincing``): 20 to 1. How
 many have it of what is there, and of what is not, ``python benchmarks/pixel_odds.py KB DATASET`` prints."""
-PROPOSED, PROPOSED_ON, PROPOSED_ON_TOP = 20, 10, 4
-"""Poses of a type, anywhere, on a plane and on a top."""
+PROPOSED, PROPOSED_ON, PROPOSED_BESIDE, PROPOSED_ON_TOP = 20, 100, 10, 4
+"""Poses of a type, anywhere, on a plane, there of one that has print, and on a top."""
 
 
 def keypoints_shown(cloud: LearnedCloud) -> float:
@@ -74,25 +73,26 @@ def maps_for(indices: Sequence[LearnedIndex], data: Data, processes: int) -> Pho
     return maps
 
 
-def seen_anywhere(index: LearnedIndex, maps: PhotoMaps | None, data: Data) -> Floats:
-    """The poses (N, 4, 4) of a type that a photo's maps suggest, the best first; none of what has print."""
+def seen_anywhere(index: LearnedIndex, maps: PhotoMaps | None, data: Data) -> Seen:
+    """The poses of a type that a photo's maps suggest, the best first; none of what has print."""
     if maps is None or not index.plain or index.body is None:
-        return NO_POSES
+        return NOT_SEEN
     from sensing.views.search import searched
 
-    return searched(maps, data.camera, index.body, PROPOSED)[0]
+    return Seen(*searched(maps, data.camera, index.body, PROPOSED))
 
 
-def seen_on(index: LearnedIndex, maps: PhotoMaps | None, data: Data, supports: Sequence[Known]) -> list[Floats]:
-    """The poses (N, 4, 4) of a type on each of planes below the camera that a photo's maps suggest, the best first."""
+def seen_on(index: LearnedIndex, maps: PhotoMaps | None, data: Data, supports: Sequence[Known]) -> list[Seen]:
+    """The poses of a type on each of planes below the camera that a photo's maps suggest, the best first."""
     if maps is None or index.body is None:
-        return [NO_POSES] * len(supports)
+        return [NOT_SEEN] * len(supports)
     from sensing.views.maps import TypeMaps
     from sensing.views.standing import stood
 
     mine = TypeMaps(maps, index.body.views)
-    most = (PROPOSED_ON if known.area is None else PROPOSED_ON_TOP for known in supports)
+    on = PROPOSED_ON if index.plain else PROPOSED_BESIDE
+    most = (on if known.area is None else PROPOSED_ON_TOP for known in supports)
     return [
-        stood(mine, data.camera, index.body, known, index.resting, some)[0]
+        Seen(*stood(mine, data.camera, index.body, known, index.resting, some))
         for known, some in zip(supports, most, strict=True)
     ]

@@ -13,9 +13,11 @@ from plogic.face.shown.tables import measures
 from plogic.facts.interpretation import situation_of, text_of
 from plogic.facts.pixel_table import PixelTable
 from plogic.match.judged.evidence import SUREST_MISSED, as_fitted, evidence
+from plogic.match.learned.learned_pixels import Seen, by_odds
 from plogic.run.perceive import Perceiver
 from plogic.scene.asking.explanations import present
 from sensing.detectors.detector import detect
+from sensing.pixels.photo import Photo
 
 TRUE = pose_towards(CORNER, 0.60, 0.0, (0.0, 0.0))
 
@@ -126,6 +128,20 @@ def test_the_program_is_told_of_matches_what_they_say_alone(perceiver):
     (_, waived), (_, owing) = (as_fitted(some, data, perceiver.kb) for some in (poor, poor.told(pixels=None)))
     assert (waived >= owing).all()
     assert waived.sum() > owing.sum()
+
+
+def test_of_what_views_suggest_the_pixels_choose(perceiver):
+    """The true pose comes first though views are for the others, unless for these beyond all measure; none is lost."""
+    photo, paint = Photo(picture([TRUE], seed=3), CAMERA), perceiver.models["cube"].paint
+    nearer, behind = TRUE.copy(), TRUE.copy()
+    nearer[:3, 3] *= 0.85
+    behind[:3, 3] *= -1.0
+    poses = np.array([nearer, TRUE, behind])
+    rows = by_odds(photo, paint, Seen(poses, np.array([5.0, 4.0, 3.0])))
+    assert [row[1].tolist() for row in rows] == [TRUE.tolist(), nearer.tolist()]
+    assert rows[0][0] > rows[1][0] + 3.0
+    rows = by_odds(photo, paint, Seen(poses, np.array([1000.0, 4.0, 3.0])))
+    assert [row[1].tolist() for row in rows] == [nearer.tolist(), TRUE.tolist()]
 
 
 def test_pixels_are_told_by_who_is_before(perceiver):

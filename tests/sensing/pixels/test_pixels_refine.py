@@ -8,6 +8,8 @@ import pytest
 from painted_cube import CAMERA, CORNER, cube, picture, pose_towards
 from scipy.spatial.transform import Rotation
 
+from geometry.bodies.resting import Plane, resting_faces
+from geometry.bodies.standing import Contact, Known, Noise
 from geometry.camera import Camera
 from geometry.frames import inverse, transform_points
 from kb.surfaces.surface import Surface
@@ -54,10 +56,11 @@ def disturbed(paint, turn=(0.0, 0.0, 0.0), shift=(0.0, 0.0, 0.0)):
 )
 def test_a_pose_that_is_off_comes_back(paint, photo, turn, shift):
     """8 % of the distance, 7 px across, 10° of tilt, and both."""
-    pose, fit, hopeless, spread = refined(photo, paint, disturbed(paint, turn, shift))
+    pose, fit, hopeless, spread, released = refined(photo, paint, disturbed(paint, turn, shift))
     assert off(paint, pose) < 0.02
     assert fit.odds > 8.0
     assert not hopeless
+    assert released is None
     turned = cv2.Rodrigues(pose[:3, :3] @ TRUE[:3, :3].T)[0].ravel()
     step = np.append(turned, (pose - TRUE)[:3] @ np.append(paint.middle, 1.0))
     assert step @ np.linalg.solve(spread, step) < 16.8  # χ² of six, 0.99
@@ -158,11 +161,26 @@ def test_what_is_before_it_tells_nothing_against_it(paint):
     assert told.odds > 5.0
 
 
+@pytest.mark.parametrize("wrong", [0.0, 0.03])
+def test_what_contact_holds_elsewhere_leaves_it_when_it_is_released(paint, photo, wrong):
+    """On the plane that the cube stands on it stays; from one that is 3 % farther it comes back."""
+    faces = resting_faces(paint.mesh.vertices)
+    ups, offsets = faces.planes(TRUE)
+    k = int(np.argmax(offsets))
+    plane = Plane(ups[k], float(offsets[k] * (1.0 + wrong)))
+    contact = Contact(Known(plane, np.zeros((3, 3)), Noise(0.02, 0.0005)), faces)
+    found = refined(photo, paint, TRUE, contact=contact)
+    assert found.released is not None
+    held, released = off(paint, found.pose), off(paint, found.released)
+    assert released < 0.02
+    assert (held > 2.0 * released) == (wrong > 0.0)
+
+
 def test_light_and_white_balance_change_little(paint, photo):
     """A gain and an offset for each channel, and a shade across the picture."""
     shade = np.linspace(0.6, 1.1, CAMERA.width)[None, :, None]
     image = np.clip(photo.image * shade * [0.8, 1.0, 1.15] + 8.0, 0, 255).astype(np.uint8)
-    pose, fit, hopeless, _ = refined(Photo(image, CAMERA), paint, disturbed(paint, (0, 0, 0), (0, 0, 0.03)))
+    pose, fit, hopeless, *_ = refined(Photo(image, CAMERA), paint, disturbed(paint, (0, 0, 0), (0, 0, 0.03)))
     assert off(paint, pose) < 0.02
     assert fit.odds > 8.0
     assert not hopeless
