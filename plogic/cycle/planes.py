@@ -47,8 +47,8 @@ STANDS = 0.5
 """Probability from which something is told to stand on a plane."""
 BY_CHANCE = 0.12
 """P(a proposal of what is not there stands where others do): where a search goes wrong, it does so at things that stand
-(9 of 72 in ``lmo``, 1 of 25 in ``ycb``: ``python benchmarks/planes.py KB DATASET``). So about does one that was looked for
-on a plane, where its pixels alone lead it from there (the same)."""
+(9 of 72 in ``lmo``, 1 of 25 in ``ycb``: ``python benchmarks/planes.py KB DATASET``). So about does one that was
+looked for on a plane, where its pixels alone lead it from there (the same)."""
 STACKED = 0.2
 """P(what rests stands on another of Δh), where there is one that it may stand on: assumed."""
 RAISED = 0.1
