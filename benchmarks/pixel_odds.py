@@ -129,7 +129,7 @@ def rows_of(perceiver: Perceiver, shown: Seen) -> Iterator[Row]:
         assert isinstance(index, LearnedIndex)  # noqa: S101 - it has paint
         by_keypoints = screened(index, *proposed(index, data, kb, thin=False), data, (), SCREENED)[:FITTED]
         by_views = by_odds(photo, paint, seen_anywhere(index, maps, data))[:FITTED_SEEN]
-        for score, pose, _ in by_keypoints + by_views:
+        for score, pose in [row[:2] for row in by_keypoints] + by_views:
             found = refined(photo, paint, pose)
             if found is None:
                 continue

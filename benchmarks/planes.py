@@ -49,8 +49,8 @@ class Looked(NamedTuple):
 
     ``stand``: of proposals, by whether each was looked for on a plane and is found: whether it is on the true plane,
     released where it was put there; ``error``: of the plane found, rad and a share of its height, None where there is
-    none. ``narrow``: what pixels tell of the best of each plain type
-    that was looked for on the true plane, and whether it is found.
+    none. ``narrow``: what pixels tell of the best of each plain type that was looked for on the true plane, and whether
+    it is found.
     """
 
     truths: Floats
@@ -79,7 +79,8 @@ def looked(perceiver: Perceiver, shown: Shown, numbers: dict[str, int]) -> Looke
     plane = true_plane(shown, names, setting.models, kb)
     if plane is None:
         return None
-    bodies = bodies_of(true_bodies(shown, names, setting.models), [], setting)
+    truths = true_bodies(shown, names, setting.models)
+    bodies = bodies_of(truths, [], setting)
     gamma = detected(shown.image, shown.camera, kb, clock)
     cycle = perceiver.cycle(gamma, Options(reading="posterior"), clock, image=shown.image)[1]
     neither = {names.get(number) for number in shown.neither}
@@ -93,7 +94,7 @@ def looked(perceiver: Perceiver, shown: Shown, numbers: dict[str, int]) -> Looke
     planes = abduced(cycle.accepted, [], setting, rests)[1].planes
     found = planes[0].known.plane if planes else None
     error = None if found is None else (found.turned(plane), abs(found.offset / plane.offset - 1.0))
-    on_it = abduced(true_bodies(shown, names, setting.models), [], setting, rests)[1].planes[0].known
+    on_it = abduced(truths, [], setting, rests)[1].planes[0].known
     narrow = [
         (best.pixels or 0.0, any(_found(best, truth, perceiver, shown) for name, truth in known if name == best.type))
         for best in looked_for(perceiver, shown, on_it)

@@ -3,7 +3,7 @@
 ``python benchmarks/view_seeds.py KB DATASET``: the types of KB are those of DATASET, real photos in BOP's layout, by
 number or by name. For each posed object of which a tenth is visible its type is looked for by its views
 (``sensing.views``), whatever print it has; the first pose counts that is within 25°, up to symmetry, 15 % of the depth,
-and 15 % of its size in the picture of its place. Prints how many objects have it among the first 1, 10 and 50, and the
+and 15 % of its size in the picture of its place. Prints how many have it among the first 1, 3, 10 and 50, and the
 seconds of processor of a type, with the constants in use and with one of them changed at a time; and the same of the
 search on the plane that the true poses of a photo speak for (``sensing.views.standing``), by views and as pixels order
 what these suggest there, with what views tell counted so much (``plogic.match.learned.learned_pixels``, ``TOO``).
@@ -127,7 +127,7 @@ def main(kb_folder: str, dataset: Path) -> None:
             for worth in WORTHS:
                 with constants({"TOO": worth}, learned_pixels):
                     began = process_time()
-                    ordered = np.reshape([pose for _, pose, _ in by_odds(photo, paint, seen)], (-1, 4, 4))
+                    ordered = np.reshape([pose for _, pose in by_odds(photo, paint, seen)], (-1, 4, 4))
                     ways.append((ordered, process_time() - began))
             rows.append([(rank(p, truth, kinds[truth.obj_id], body, shown.camera.f), spent) for p, spent in ways])
         return rows

@@ -145,8 +145,8 @@ class Hypothesis:
     given that it is present), by the photo; None where that is not known. ``spread`` (6, 6): how exactly its pixels
     tell its pose, the covariance of its turn about its middle (rad) and of the middle (m), camera frame. ``stance``:
     what standing where others do, or nowhere, adds to its log-odds given all other proposals (§9.9); 0 where nobody
-    said that things rest. ``released`` (4, 4): of what was looked for on a plane, where its pixels alone lead it from
-    there: that it stands there still is for it; None of what was found without a plane.
+    said that things rest. ``released`` (4, 4): of what was looked for on a plane, where its pixels alone, or its
+    matches, lead it from there: that it stands there still is for it; None of what was found without a plane.
 
     ``worth`` is the log-likelihood ratio against clutter, ``surplus`` what is left of it besides what any pose has.
     ``ev`` is that of the hypothesis alone, ``ev_reconsidered`` that beside Δi; None where it is 0/0 or was not asked.

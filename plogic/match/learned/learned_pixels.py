@@ -32,6 +32,7 @@ if TYPE_CHECKING:
     from plogic.match.judged.type_models import Request
     from plogic.match.learned.learned_models import LearnedIndex
     from sensing.pixels.drawn import Paint
+    from sensing.pixels.energy import Fit
     from sensing.pixels.photo import Photo
     from sensing.pixels.refine import Refined
 
@@ -139,10 +140,6 @@ def screened(
     index: LearnedIndex, poses: Floats, worth: Floats, data: Data, before: Sequence[Before], most: int
 ) -> list[tuple[float, Floats, float]]:
     """How well the first ``most`` of poses (N, 4, 4) that are not in one place fit, with their worth; best first."""
-    from sensing.pixels.crop import crop_of
-    from sensing.pixels.energy import fit_of
-    from sensing.pixels.refine import COARSE
-
     photo, paint = data.photo, index.paint
     assert photo is not None  # noqa: S101 - the caller looked
     assert paint is not None  # noqa: S101
@@ -151,24 +148,28 @@ def screened(
         if len(rows) == most:
             break
         if not any(same_place(index.object_type, pose, old) for _, old, _ in rows):
-            crop = crop_of(photo, paint, pose, COARSE, before)
-            rows.append((fit_of(crop, paint, pose).score if crop is not None else -np.inf, pose, float(value)))
+            fit = _coarse(photo, paint, pose, before)
+            rows.append((-np.inf if fit is None else fit.score, pose, float(value)))
     return sorted(rows, key=lambda row: -row[0])
 
 
-def by_odds(photo: Photo, paint: Paint, seen: Seen, before: Sequence[Before] = ()) -> list[tuple[float, Floats, float]]:
-    """How well poses fit that views suggest, as ``screened``; first what the pixels tell most of, and the views too."""
+def by_odds(photo: Photo, paint: Paint, seen: Seen, before: Sequence[Before] = ()) -> list[tuple[float, Floats]]:
+    """How well poses fit that views suggest; first those of which the pixels tell most, and the views a little."""
+    fits = [
+        (_coarse(photo, paint, pose, before, whole=True), pose, TOO * told) for pose, told in zip(*seen, strict=True)
+    ]
+    rows = [(fit.odds + more, fit.score, pose) for fit, pose, more in fits if fit is not None]
+    return [(score, pose) for _, score, pose in sorted(rows, key=lambda row: -row[0])]
+
+
+def _coarse(photo: Photo, paint: Paint, pose: Floats, before: Sequence[Before], *, whole: bool = False) -> Fit | None:
+    """How well a pose (4, 4) fits, small; None where it is not in the photo."""
     from sensing.pixels.crop import crop_of
     from sensing.pixels.energy import fit_of
     from sensing.pixels.refine import COARSE
 
-    rows: list[tuple[float, tuple[float, Floats, float]]] = []
-    for pose, told in zip(*seen, strict=True):
-        crop = crop_of(photo, paint, pose, COARSE, before)
-        if crop is not None:
-            fit = fit_of(crop, paint, pose, whole=True)
-            rows.append((fit.odds + TOO * told, (fit.score, pose, 0.0)))
-    return [row for _, row in sorted(rows, key=lambda row: -row[0])]
+    crop = crop_of(photo, paint, pose, COARSE, before)
+    return None if crop is None else fit_of(crop, paint, pose, whole=whole)
 
 
 def _in_one_place(paint: Paint, pose: Floats, other: Floats) -> bool:

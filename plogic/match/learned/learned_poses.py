@@ -226,7 +226,8 @@ def resting(
         seen = seen.some(clear_of(taken, index, seen.poses))
         contact = Contact(known, index.resting)
         return by_pixels(index, best, worth, data, kb, before=before, seen=seen, contact=contact)
-    return settled_best(index, best[worth >= WORTHLESS], data, kb, VERIFIED_RESTING)
+    some = settled_best(index, best[worth >= WORTHLESS], data, kb, VERIFIED_RESTING)
+    return [(ratio, posed.told(released=posed.camera_from_object)) for ratio, posed in some]
 
 
 def _rested(index: LearnedIndex, known: Known, data: Data, kb: KnowledgeBase, taken: Floats) -> tuple[Floats, Floats]:

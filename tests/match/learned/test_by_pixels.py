@@ -138,10 +138,10 @@ def test_of_what_views_suggest_the_pixels_choose(perceiver):
     behind[:3, 3] *= -1.0
     poses = np.array([nearer, TRUE, behind])
     rows = by_odds(photo, paint, Seen(poses, np.array([5.0, 4.0, 3.0])))
-    assert [row[1].tolist() for row in rows] == [TRUE.tolist(), nearer.tolist()]
+    assert [pose.tolist() for _, pose in rows] == [TRUE.tolist(), nearer.tolist()]
     assert rows[0][0] > rows[1][0] + 3.0
     rows = by_odds(photo, paint, Seen(poses, np.array([1000.0, 4.0, 3.0])))
-    assert [row[1].tolist() for row in rows] == [nearer.tolist(), TRUE.tolist()]
+    assert [pose.tolist() for _, pose in rows] == [nearer.tolist(), TRUE.tolist()]
 
 
 def test_pixels_are_told_by_who_is_before(perceiver):

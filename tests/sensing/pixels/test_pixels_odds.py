@@ -23,8 +23,10 @@ def test_print_without_an_outline_is_not_enough(edges, region, print_, correlati
 @settings(derandomize=True, deadline=None)
 @given(st.floats(-1.0, 0.0), st.floats(-1.0, 0.0), st.floats(0.0, 2 * FIRM), SHARES, QUIET)
 def test_of_what_is_plain_too(edges, region, print_, shown, quiet):
-    """Print, of which no more is found than is shown, creases and quiet make up for no outline."""
-    assert Fit(edges, region, print_ * shown, 0.1, 1.0, shown, 0.5, quiet, 0.0).odds < ENOUGH
+    """Creases and quiet make up for no outline; nor do they with print, unless the colours of its sides are neutral."""
+    assert Fit(edges, region, 0.0, 0.1, 1.0, shown, 0.5, quiet, 0.0).odds < ENOUGH
+    assert Fit(edges, region - 0.3, print_, 0.1, 1.0, shown, 0.5, quiet, 0.0).odds < ENOUGH
+    assert Fit(0.0, 0.0, FIRM, 0.1, 1.0, 0.0).odds > ENOUGH
 
 
 @settings(derandomize=True, deadline=None)
