@@ -97,8 +97,9 @@ def by_pixels(
     most = FITTED_SEEN if contact is None else FITTED_ON
     many = contact is not None and (contact.known.area is not None or not index.plain)
     by_views = [row for row in looked if row[0] >= (CLEAR if many else FAINT)][:most]
-    if contact is not None and not many:  # and the first of the few on a plane, which its views alone know well
-        by_views += [row for row in looked[most:] if np.array_equal(row[1], seen.poses[0])]
+    if contact is not None and not many:  # and the first on a plane by its views
+        left = [row for row in looked[most:] if not any(row is one for one in by_views)]
+        by_views += [row for row in left if np.array_equal(row[1], seen.poses[0])]
     starts = [(*row[:2], True) for row in by_keypoints[:FITTED]] + [(*row[:2], False) for row in by_views]
     found: list[tuple[float, Hypothesis]] = []
     tried: list[tuple[float, Floats]] = []
