@@ -1,26 +1,23 @@
 """Surfaces of meshes that were read before: to read one again takes trimesh and SciPy, longer than all else of a KB.
 
-A surface is found again by the mesh file's bytes, its scale, the code that reads it, and the libraries' versions.
+A surface is found again by the mesh file's bytes and those of the materials and buffers that it names, its scale, the
+code that reads it, and the libraries' versions.
 """
 
 import hashlib
-import re
 from functools import cache
 from importlib.metadata import version
 from pathlib import Path
 
 import numpy as np
 
-from geometry.files.mesh_files import MAX_MTL_BYTES
-from geometry.files.plain_files import fault_of
 from geometry.files.remembered import ROOT, arrays_of, source_digest, sources_in
+from geometry.files.side_files import Side, side_files
 from kb.surfaces.surface import Surface, surface_from_mesh
 
 SOURCES = "geometry", "kb/surfaces"
 """What reads a mesh."""
 LIBRARIES = "numpy", "scipy", "trimesh"
-WHOLE = frozenset({".obj", ".ply", ".stl", ".off", ".glb"})
-"""Formats of which no other file says where a facet is."""
 KEPT = 512
 """Surfaces that are kept; those used last."""
 
@@ -30,11 +27,11 @@ def kept_surface(path: Path, content: bytes, scale: float, folder: Path | None) 
 
     Raises SurfaceError, as it does.
     """
-    kind = path.suffix.lower()
-    if folder is None or kind not in WHOLE:
+    if folder is None:
         return surface_from_mesh(path, scale)
-    said = _read_by() + f"{kind} {scale!r} {len(materials := _materials(path, content))}\n".encode() + materials
-    key = hashlib.sha256(hashlib.sha256(said).digest() + content).hexdigest()
+    sides = [_digest(side) for side in side_files(path, content) if side.kind != "picture"]
+    said = [_read_by(), f"{path.suffix.lower()} {scale!r}".encode(), *sides, content]
+    key = hashlib.sha256(b"".join(hashlib.sha256(one).digest() for one in said)).hexdigest()
 
     def read() -> dict[str, np.ndarray]:
         surface = surface_from_mesh(path, scale)
@@ -44,11 +41,12 @@ def kept_surface(path: Path, content: bytes, scale: float, folder: Path | None) 
     return Surface(arrays["vertices"], arrays["triangles"])
 
 
-def _materials(path: Path, content: bytes) -> bytes:
-    """The file of materials that an OBJ names: they may decide in what order its facets come."""
-    named = re.search(rb"^mtllib[ \t]+(.*)$", content, re.MULTILINE) if path.suffix.lower() == ".obj" else None
-    beside = path.parent / named[1].strip().decode(errors="replace") if named else path
-    return beside.read_bytes() if beside != path and fault_of(beside, MAX_MTL_BYTES) is None else b""
+def _digest(side: Side) -> bytes:
+    """What a material or buffer is: a material may decide in what order facets come."""
+    try:
+        return side.name.encode() + b"\n" + hashlib.sha256(side.read()).digest()
+    except FileNotFoundError:
+        return side.name.encode()
 
 
 @cache

@@ -11,6 +11,7 @@ from typing import TypeVar
 import numpy as np
 
 from geometry.files.plain_files import IS_FOLDER, IS_MISSING, fault_of, is_there
+from geometry.files.side_files import LIMITS, is_lost, side_files
 from kb.clouds.cloud import (
     UNKNOWN_SUPPORT,
     Counts,
@@ -157,8 +158,6 @@ def learned_lobes(cloud: LearnedCloud, words: Words) -> LobeTable:
 
 MAX_RULES_BYTES = 1_000_000
 """Largest ``rules.pl``."""
-PAINT = {".mtl", ".png", ".jpg", ".jpeg"}
-"""What paints a mesh, beside it."""
 HIT, PRIOR = 0.8, 0.5
 """What holds for types that ``kb.yaml`` says nothing about."""
 
@@ -272,6 +271,7 @@ def _surface(place: Folder, document: Document, folder: Path, scale: float) -> t
     path = _named(place, document, folder, ("mesh", "file"), "mesh", MAX_MESH_BYTES)
     content = place.content(path, MAX_MESH_BYTES) if path is not None else None
     if path is not None and content is not None:
+        _sides(place, path, content)
         try:
             return path, kept_surface(path, content, scale, place.kept)
         except SurfaceError as error:
@@ -280,12 +280,25 @@ def _surface(place: Folder, document: Document, folder: Path, scale: float) -> t
 
 
 def _textured(place: Folder, document: Document, folder: Path) -> Path | None:
-    """The mesh that is rendered; it, its material and its pictures are among what the digest is over."""
+    """The mesh that is rendered."""
     path = _named(place, document, folder, ("mesh", "textured"), "mesh", MAX_MESH_BYTES)
-    for beside in sorted(path.parent.iterdir()) if path is not None else ():
-        if beside == path or (beside.suffix.lower() in PAINT and beside.is_file()):
-            place.content(beside, MAX_MESH_BYTES)
+    content = place.content(path, MAX_MESH_BYTES) if path is not None else None
+    if path is not None and content is not None:
+        _sides(place, path, content)
     return path
+
+
+def _sides(place: Folder, path: Path, content: bytes) -> None:
+    """Read the materials, pictures and buffers that a mesh file names, for they are among what the digest is over.
+
+    One that leads out is a mistake; one that is missing is not, as the mesh may do without.
+    """
+    for side in side_files(path, content):
+        fault = side.fault or place.fault(side.place, LIMITS[side.kind])
+        if fault is None:
+            place.content(side.place, LIMITS[side.kind])
+        elif not is_lost(side):
+            place.mistakes.append(Mistake(place.name(path), 0, 0, "", f"the {side.kind} {side.name!r:.100} {fault}"))
 
 
 def _rules(place: Folder) -> str:

@@ -17,10 +17,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from geometry.files.plain_files import content_of, fault_of, must_be_plain
+from geometry.files.side_files import homes, inside
 from geometry.files.xml_files import XMLMistakeError, root_of
 from geometry.frames import from_rotation_translation
 from kb.errors import IntakeError
-from kb.intake.source import GREY, Piece, Source, read_source
+from kb.intake.source import GREY, Piece, Source, copied, read_source
 
 Frame = NDArray[np.float64]
 
@@ -71,15 +72,20 @@ def frame(xyz: list[float], rpy: list[float]) -> Frame:
     return np.asarray(from_rotation_translation(np.array(turn), np.array(xyz)))
 
 
-def found_file(folder: Path, name: str) -> Path | None:
-    """The file that a description names.
+ABOVE = 6
+"""Folders above the description's that a mesh may lie below."""
 
-    Relative to its ``folder``, or, as ``package://NAME/REST`` and ``model://``, beneath a folder above.
+
+def found_file(path: Path, name: str) -> Path | None:
+    """The file that the description at ``path`` names.
+
+    Relative to its folder, or, as ``package://NAME/REST`` and ``model://``, beneath a folder above. No absolute path,
+    and nothing that leads out of ``ABOVE`` folders above.
     """
     rest = re.sub(r"^(file|package|model)://", "", name.strip())
-    plain = "://" not in name or name.startswith("file:")
-    for place in _places(folder, rest, plain=plain):
-        if fault_of(place) is None:
+    plain, roots = "://" not in name or name.startswith("file:"), homes(path, ABOVE)
+    for place in _places(path.parent, rest, plain=plain) if not rest.startswith(("/", "~")) else ():
+        if inside(place, roots) and fault_of(place) is None:
             return place
     return None
 
@@ -88,10 +94,10 @@ def _places(folder: Path, rest: str, *, plain: bool) -> Iterator[Path]:
     yield folder / rest
     if plain:
         return
-    inside = rest.partition("/")[2]
-    for above in [folder, *folder.resolve().parents][:6]:
+    inner = rest.partition("/")[2]
+    for above in [folder, *folder.resolve().parents][:ABOVE]:
         yield above / rest
-        yield above / inside
+        yield above / inner
 
 
 MOST = 2000
@@ -125,11 +131,11 @@ def merged(path: Path, visuals: Sequence[Visual]) -> Source:
     """
     if len(visuals) > MOST:
         raise IntakeError(f"{path}: has {len(visuals)} visible shapes, more than {MOST}")
-    read: dict[str, Source | str] = {}
+    read: dict[Path, Source | str] = {}
     pieces: list[Piece] = []
     notes, wrong = list[str](), list[str]()
     for visual in visuals:
-        source = _source(path.parent, visual, read)
+        source = _source(path, visual, read)
         if isinstance(source, str):
             wrong.append(f"{visual.where}: {source}")
             continue
@@ -141,27 +147,29 @@ def merged(path: Path, visuals: Sequence[Visual]) -> Source:
         raise IntakeError("\n".join(dict.fromkeys(wrong)))
     if not pieces:
         raise IntakeError(f"{path}: holds no visible shape")
-    return Source(tuple(pieces), tuple(dict.fromkeys(notes)))
+    elsewhere = [file for file in read if not inside(file, homes(path))]
+    return Source(tuple(pieces), tuple(dict.fromkeys([*copied(elsewhere, path.parent), *notes])))
 
 
 SOUGHT = "in the description's folder and, of package:// and model://, below the six folders above"
+ABSOLUTE = "is an absolute path: name it relative to the description, or by package://"
 
 
-def _source(folder: Path, visual: Visual, read: dict[str, Source | str]) -> Source | str:
+def _source(path: Path, visual: Visual, read: dict[Path, Source | str]) -> Source | str:
     """The shape in its own frame, each file read once; instead, where it cannot be had, what is wrong."""
     if visual.file is None:
         return _primitive(visual)
-    if visual.file not in read:
-        file = found_file(folder, visual.file)
+    file = found_file(path, visual.file)
+    if file is None:
+        absolute = re.match(r"(file://)?[/~]", visual.file.strip())
+        why = ABSOLUTE if absolute else f"is missing or no plain file, {SOUGHT}: put it there"
+        return f"the mesh {visual.file!r:.80} {why}, or take the visual out"
+    if file not in read:
         try:
-            read[visual.file] = (
-                f"the mesh {visual.file!r:.80} is missing or no plain file, {SOUGHT}: put it there, or take the visual out"
-                if file is None
-                else read_source(file)
-            )
+            read[file] = read_source(file)
         except IntakeError as error:
-            read[visual.file] = f"{error}: repair it, or take the visual out"
-    return read[visual.file]
+            read[file] = f"{error}: repair it, or take the visual out"
+    return read[file]
 
 
 def _primitive(visual: Visual) -> Source:

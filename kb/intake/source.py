@@ -9,6 +9,7 @@ The paint of all pieces becomes one OBJ, one MTL and one picture, whatever the s
 rendered. One picture travels as it is. Several, and colours of vertices, become one atlas.
 """
 
+import os.path
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
@@ -65,10 +66,22 @@ def textures_of(path: Path) -> tuple[dict[str, Picture], list[str]]:
     for texture in found:
         picture = picture_from(texture.data) if texture.data is not None else None
         if picture is None:
-            notes.append(f"the {texture.label} is missing or no picture: going on without")
+            notes.append(f"the {texture.label} {texture.fault or 'is missing or no picture'}: going on without")
         else:
             pictures[texture.material] = picture
-    return pictures, list(dict.fromkeys(notes))
+    above = [texture.file for texture in found if texture.above and texture.file is not None]
+    return pictures, list(dict.fromkeys([*notes, *copied(above, path.parent)]))
+
+
+NAMED = 3
+"""Files that a note names."""
+
+
+def copied(files: Sequence[Path], folder: Path) -> list[str]:
+    """A note on the files that were copied from outside of a folder, if there are any."""
+    names = [str(os.path.normpath(file)) for file in dict.fromkeys(files)]
+    more = f" and {len(names) - NAMED} more" if len(names) > NAMED else ""
+    return [f"copied from outside of {os.path.normpath(folder)}: {', '.join(names[:NAMED])}{more}"] if names else []
 
 
 MAX_FILE_BYTES = 200_000_000

@@ -145,7 +145,7 @@ def _texture(path: Path, meshes: Placed) -> NDArray[np.uint8] | None:
     if first.file is not None:
         return read_image(first.file)
     if first.data is None:
-        raise SceneError(f"{path}: the {first.label} is missing")
+        raise SceneError(f"{path}: the {first.label} {first.fault or 'is missing'}")
     return image_from(first.data, f"{path}: the {first.label}")
 
 

@@ -54,6 +54,32 @@ def write_painted(folder, *, picture=True):
     return folder / "box.obj"
 
 
+NUMBERS = CORNERS.astype("<f4").tobytes() + box_triangles().astype("<u4").tobytes()
+"""The unit cube's vertices and triangles as a buffer of glTF."""
+
+
+def gltf_text(uri, image=None):
+    """The unit cube as glTF, its numbers ``NUMBERS`` in the buffer ``uri``, painted with ``image``."""
+    views = [(0, 96), (96, 144)]
+    tree = {
+        "asset": {"version": "2.0"},
+        "scene": 0,
+        "scenes": [{"nodes": [0]}],
+        "nodes": [{"mesh": 0}],
+        "meshes": [{"primitives": [{"attributes": {"POSITION": 0}, "indices": 1, "material": 0}]}],
+        "buffers": [{"uri": uri, "byteLength": len(NUMBERS)}],
+        "bufferViews": [{"buffer": 0, "byteOffset": start, "byteLength": length} for start, length in views],
+        "accessors": [
+            {"bufferView": 0, "componentType": 5126, "count": 8, "type": "VEC3", "min": [0, 0, 0], "max": [1, 1, 1]},
+            {"bufferView": 1, "componentType": 5125, "count": 36, "type": "SCALAR"},
+        ],
+        "materials": [{"name": "paint", "pbrMetallicRoughness": {"baseColorTexture": {"index": 0}}}],
+        "textures": [{"source": 0}],
+        "images": [{"uri": image or "data:image/png;base64,aGVsbG8="}],
+    }
+    return json.dumps(tree)
+
+
 def glb_bytes(pictures, materials):
     """The split cube as GLB: its triangles shared by ``materials``.
 

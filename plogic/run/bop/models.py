@@ -19,7 +19,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from geometry.files.mesh_files import beside, reason
+from geometry.files.mesh_files import reason, scene_of
 from geometry.files.plain_files import IS_MISSING, fault_of
 from geometry.frames import from_rotation_translation, rotation_from_quat_xyzw
 from plogic.base.errors import InputError
@@ -173,13 +173,11 @@ def _model(folder: Path, obj_id: int, info: object, place: Place) -> Model:
 
 
 def _points(path: Path) -> NDArray[np.float64]:
-    import trimesh
-
     fault = fault_of(path, MAX_BYTES)
     if fault is not None:
         raise InputError(f"{path}: there is no such model" if fault == IS_MISSING else f"{path}: {fault}")
     try:
-        mesh: Any = trimesh.load(path, process=False, resolver=beside(path))
+        (mesh,) = scene_of(path).geometry.values()
         points = np.array(mesh.vertices, dtype=np.float64).reshape(-1, 3) / MM
     except Exception as error:
         raise InputError(f"{path}: trimesh cannot read it: {reason(path, error)}") from error

@@ -7,7 +7,7 @@ import json
 import numpy as np
 import pytest
 from console import bytes_in, document, good, plogic
-from made_meshes import write_box
+from made_meshes import write_box, write_painted
 
 from kb.files.read import read_kb
 
@@ -108,6 +108,44 @@ def test_every_mesh_that_is_not_there_is_told_and_nothing_is_written(tmp_path, f
     assert hand.startswith(f"{start}'hand': the mesh 'meshes/hand.stl' is missing")
     assert tool.startswith(f"{start}'tool': {tmp_path / 'torn.obj'}: ")
     assert all(line.endswith("or take the visual out") for line in (arm, hand, tool))
+
+
+def shape(file):
+    return (
+        f'<robot name="r"><link name="l"><visual><geometry><mesh filename="{file}"/></geometry></visual></link></robot>'
+    )
+
+
+def test_what_is_copied_from_elsewhere_is_said(tmp_path, folder):
+    """A package with its descriptions, meshes and pictures in folders side by side."""
+    for name in ("urdf", "meshes/visual", "textures"):
+        (tmp_path / "robot" / name).mkdir(parents=True)
+    mesh = write_painted(tmp_path / "robot/meshes/visual").rename(tmp_path / "robot/meshes/visual/arm.obj")
+    (mesh.parent / "paint.png").rename(tmp_path / "robot/textures/paint.png")
+    (mesh.parent / "box.mtl").write_text("newmtl paint\nmap_Kd ../../textures/paint.png\n")
+    (tmp_path / "robot/urdf/arm.urdf").write_text(shape("../meshes/visual/arm.obj"))
+    lines = good("kb", "import", tmp_path / "robot/urdf/arm.urdf", "--kb", folder).splitlines()
+    assert lines[0] == f"note: copied from outside of {tmp_path}/robot/urdf: {tmp_path}/robot/meshes/visual/arm.obj"
+    assert lines[1] == f"note: copied from outside of {mesh.parent}: {tmp_path}/robot/textures/paint.png"
+    (tmp_path / "robot/urdf/near.urdf").write_text(shape("package://robot/meshes/visual/arm.obj"))
+    assert f"note: copied from outside of {tmp_path}/robot/urdf" in good(
+        "kb", "import", tmp_path / "robot/urdf/near.urdf", "--kb", folder
+    )
+
+
+@pytest.mark.parametrize(
+    "name", ["/{}/box.obj", "file:///{}/box.obj", "~/box.obj", "../../../../../../../../../../{}/box.obj", "out.obj"]
+)
+def test_no_mesh_is_read_by_an_absolute_path_or_far_from_the_description(tmp_path, folder, monkeypatch, name):
+    monkeypatch.setenv("HOME", str(tmp_path))
+    (tmp_path / "robot").mkdir()
+    write_box(tmp_path / "box.obj")
+    (tmp_path / "robot/out.obj").symlink_to(tmp_path / "box.obj")
+    (tmp_path / "robot/bad.urdf").write_text(shape(name.format(str(tmp_path)[1:])))
+    said = "is an absolute path" if name[0] in "/f~" else "is missing or no plain file"
+    line = refused(folder, tmp_path / "robot/bad.urdf")
+    assert said in line
+    assert line.endswith("or take the visual out")
 
 
 BAD = {

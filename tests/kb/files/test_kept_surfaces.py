@@ -5,6 +5,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from made_meshes import NUMBERS, gltf_text
 
 from geometry.files.remembered import OURS, ROOT, sources_in
 from kb.errors import SurfaceError
@@ -40,7 +41,7 @@ def test_the_first_run_keeps_it_and_the_second_reads_no_mesh(tmp_path, monkeypat
     assert found.vertices.dtype == read.vertices.dtype
 
 
-@pytest.mark.parametrize("changed", ["scale", "content", "code", "library", "materials"])
+@pytest.mark.parametrize("changed", ["scale", "content", "code", "library", "materials", "no materials"])
 def test_what_decides_a_surface_is_in_its_key(tmp_path, monkeypatch, changed):
     mesh, folder = tmp_path / "mesh.obj", tmp_path / "kept"
     mesh.write_bytes(b"mtllib paint.mtl\n" + CUBE.read_bytes())
@@ -51,6 +52,8 @@ def test_what_decides_a_surface_is_in_its_key(tmp_path, monkeypatch, changed):
         mesh.write_bytes(mesh.read_bytes() + b"# more\n")
     if changed == "materials":
         (tmp_path / "paint.mtl").write_text("newmtl b\n")
+    if changed == "no materials":
+        (tmp_path / "paint.mtl").unlink()
     if changed == "code":
         monkeypatch.setattr(kept_surfaces, "source_digest", lambda *_: b"other code")
     if changed == "library":
@@ -71,7 +74,19 @@ def test_a_damaged_one_is_read_anew(tmp_path):
     assert same(again(CUBE, tmp_path), surface_from_mesh(CUBE))
 
 
-def test_a_format_that_other_files_belong_to_and_a_file_that_is_no_mesh_are_not_kept(tmp_path):
+def test_a_buffer_that_a_mesh_names_is_in_its_key(tmp_path):
+    folder, path, buffer = tmp_path / "kept", tmp_path / "box.gltf", tmp_path / "box.bin"
+    path.write_text(gltf_text("box.bin"))
+    buffer.write_bytes(NUMBERS)
+    box = again(path, folder)
+    assert same(again(path, folder), box)
+    assert len(kept_in(folder)) == 1
+    buffer.write_bytes(NUMBERS.replace(np.float32(1).tobytes(), np.float32(2).tobytes()))
+    assert again(path, folder).diameter > box.diameter
+    assert len(kept_in(folder)) == 2
+
+
+def test_a_file_that_is_no_mesh_is_not_kept(tmp_path):
     folder, none = tmp_path / "kept", tmp_path / "none.obj"
     none.write_text("v 0 0 0\n")
     with pytest.raises(SurfaceError):

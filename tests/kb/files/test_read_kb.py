@@ -244,7 +244,8 @@ def test_a_mesh_that_is_not_closed_is_usable_and_no_solid(tmp_path):
 
 def test_the_textured_mesh_is_what_is_rendered_and_part_of_the_digest(tmp_path):
     plain = read_kb(write_small(tmp_path))
-    (tmp_path / "objects/tent/painted.obj").write_text(MESH)
+    (tmp_path / "objects/tent/painted.obj").write_text("mtllib painted.mtl\n" + MESH)
+    (tmp_path / "objects/tent/painted.mtl").write_text("newmtl paint\nmap_Kd texture.png\n")
     text = spoilt(OBJECT, "units: cm}", "units: cm, textured: painted.obj}")
     painted = read_kb(write_small(tmp_path, object=text))
     assert (plain.types[0].mesh_file.name, painted.types[0].mesh_file.name) == ("mesh.obj", "painted.obj")
