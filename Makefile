@@ -1,14 +1,25 @@
 # Everything sets itself up: a fresh machine needs CPython 3.11 to 3.14 with venv, and make, nothing else.
 # PYTHON=... takes a certain one, VENV=... puts the environment elsewhere.
 VENV ?= .venv
+COMPAT ?= .compat
 PYTHONS = python3.13 python3.12 python3.11 python3 python3.14
 # A name may be there and not run (pyenv's are), or be of another version, or lack what makes environments (Debian's python3-venv).
 FITS = import ensurepip, sys, venv; sys.exit(sys.implementation.name != "cpython" or not (3, 11) <= sys.version_info[:2] <= (3, 14))
+# What the shell finds a Python with.
+FIND = python="$(PYTHON)"; \
+    for name in $(PYTHONS); do \
+        if [ -z "$$python" ] && "$$name" -c '$(FITS)' >/dev/null 2>&1; then python="$$name"; fi; \
+    done; \
+    if [ -z "$$python" ]; then \
+        echo "make: no CPython 3.11 to 3.14 with its venv was found: install one (Debian: python3-venv), or say PYTHON=..." >&2; \
+        exit 1; \
+    fi
+QUICK = tests/test_*.py tests/base tests/measures tests/inference tests/facts tests/geometry
 
 # Tests start many Pythons: what is imported is compiled once, though the environment may say otherwise.
-test quick: export PYTHONDONTWRITEBYTECODE =
+test quick compat-%: export PYTHONDONTWRITEBYTECODE =
 
-.PHONY: demo test quick lint bench clean ready
+.PHONY: demo test quick lint bench compat compat-lowest compat-newest clean ready
 
 demo: ready  ## the two towers: from a simulated camera's pixels to ranked worlds
 	"$(VENV)/bin/plogic" demo -o out/demo
@@ -17,7 +28,7 @@ test: ready  ## all tests
 	"$(VENV)/bin/python" -m pytest -n 2 --dist worksteal
 
 quick: lint  ## linter, types, and the tests that render and learn nothing: two minutes
-	"$(VENV)/bin/python" -m pytest -n 2 --dist worksteal tests/test_*.py tests/base tests/measures tests/inference tests/facts tests/geometry
+	"$(VENV)/bin/python" -m pytest -n 2 --dist worksteal $(QUICK)
 
 lint: ready  ## linter and type checker
 	"$(VENV)/bin/ruff" format --check .
@@ -27,16 +38,26 @@ lint: ready  ## linter and type checker
 bench: ready  ## the towers' benchmark: a table and its claims
 	"$(VENV)/bin/plogic" bench towers
 
+compat: compat-lowest compat-newest  ## the quick tests with the lowest, and with the newest versions that pyproject.toml admits
+
+compat-lowest: RESOLUTION = lowest-direct
+compat-newest: RESOLUTION = highest
+compat-lowest compat-newest: compat-%:
+	@$(FIND); \
+	venv="$(COMPAT)/$*-$$("$$python" -c 'import sys; print("%d.%d" % sys.version_info[:2])')"; \
+	set -ex; \
+	if [ ! "$$venv/.ready" -nt pyproject.toml ]; then \
+	    "$$python" -m venv --clear "$$venv"; \
+	    "$$venv/bin/python" -m pip install --quiet --disable-pip-version-check uv; \
+	    "$$venv/bin/uv" pip install --quiet --python "$$venv/bin/python" --resolution $(RESOLUTION) -r pyproject.toml --extra dev; \
+	    "$$venv/bin/uv" pip install --quiet --python "$$venv/bin/python" --no-deps --editable .; \
+	    touch "$$venv/.ready"; \
+	fi; \
+	"$$venv/bin/python" -m pytest -n 2 --dist worksteal $(QUICK)
+
 ready:
 	@if [ ! "$(VENV)/.ready" -nt pyproject.toml ]; then \
-	    python="$(PYTHON)"; \
-	    for name in $(PYTHONS); do \
-	        if [ -z "$$python" ] && "$$name" -c '$(FITS)' >/dev/null 2>&1; then python="$$name"; fi; \
-	    done; \
-	    if [ -z "$$python" ]; then \
-	        echo "make: no CPython 3.11 to 3.14 with its venv was found: install one (Debian: python3-venv), or say PYTHON=..." >&2; \
-	        exit 1; \
-	    fi; \
+	    $(FIND); \
 	    set -ex; \
 	    "$$python" -m venv "$(VENV)"; \
 	    "$(VENV)/bin/python" -m pip install --quiet --disable-pip-version-check --editable '.[dev]'; \
@@ -44,4 +65,4 @@ ready:
 	fi
 
 clean:
-	rm -rf "$(VENV)" out
+	rm -rf "$(VENV)" "$(COMPAT)" out

@@ -9,7 +9,7 @@ import click
 
 from plogic.face.authoring.kb_group import kb
 from plogic.face.commands.bench import bench
-from plogic.face.commands.clicked import batch, bop, measures, next_view, schema, settle, watch
+from plogic.face.commands.clicked import batch, bop, doctor, measures, next_view, schema, settle, watch
 from plogic.face.shown.options import (
     AS_JSON,
     BEST_BY,
@@ -313,6 +313,7 @@ def man() -> None:
 
 cli.add_command(kb)
 cli.add_command(bop)
+cli.add_command(doctor)
 cli.add_command(bench)
 cli.add_command(batch)
 cli.add_command(watch)

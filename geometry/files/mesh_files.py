@@ -53,7 +53,7 @@ def scene_of(path: Path) -> Any:  # noqa: ANN401 - trimesh's
     import trimesh
 
     content, kind = path.read_bytes(), path.suffix.lower().lstrip(".")
-    beside = _Beside(path.name, {side.name: side for side in side_files(path, content) if side.kind != "picture"})
+    beside: Any = _Beside(path.name, {side.name: side for side in side_files(path, content) if side.kind != "picture"})
     if kind == "dae":  # its reader would follow entities
         content = ET.tostring(root_of(content.decode("utf-8-sig"), "mesh"))
     return trimesh.load_scene(BytesIO(content), file_type=kind, process=False, resolver=beside)

@@ -9,6 +9,8 @@ mapped a file of a deleted folder keeps it.
   (``sources``)
 * ``forget_beside(place)``: of the folder's siblings those stay that were used last
 * ``forget_files_beside(place)``: so of files ``<64 hex digits>.npz``
+* ``kept_in(folder)``, ``abandoned_in(folder)``, ``damage(place)``: what is kept in a cache folder, what was begun there
+  and left, and what is wrong with one of the kept
 """
 
 import ast
@@ -24,6 +26,7 @@ from mmap import ACCESS_READ, mmap
 from pathlib import Path
 from time import time
 from typing import Any
+from zipfile import BadZipFile, ZipFile
 from zlib import crc32
 
 import numpy as np
@@ -52,6 +55,14 @@ def forget_files_beside(place: Path, files: int = FILES, most: int = BYTES) -> N
     _forget(place, Path.is_file, rf"{_NAME}\.npz", rf"\.{_NAME}\.npz\.{_BEGUN}", files, most)
 
 
+def bytes_of(place: Path) -> int:
+    """The bytes of a kept folder, or of a file; 0 where it is gone."""
+    try:
+        return sum(file.stat().st_size for file in (place.iterdir() if place.is_dir() else [place]))
+    except OSError:
+        return 0
+
+
 def _forget(place: Path, is_one: Callable[[Path], bool], name: str, begun: str, count: int, most: int) -> None:
     try:
         beside = {path: path.stat() for path in place.parent.iterdir() if is_one(path) and not path.is_symlink()}
@@ -60,7 +71,7 @@ def _forget(place: Path, is_one: Callable[[Path], bool], name: str, begun: str, 
     total = 0
     named = (path for path in beside if re.fullmatch(name, path.name))
     for rank, path in enumerate(sorted(named, key=lambda path: (path != place, -beside[path].st_mtime))):
-        total += _bytes(path)
+        total += bytes_of(path)
         if rank and (rank >= count or total > most):
             discard(path)
     for path, found in beside.items():
@@ -85,11 +96,46 @@ def discard(place: Path) -> None:
             shutil.rmtree(aside, ignore_errors=True)
 
 
-def _bytes(place: Path) -> int:
+def kept_in(folder: Path) -> list[Path]:
+    """The folders and files of a cache folder that are kept, the one used last first; none where it cannot be read."""
+    return [path for path, _ in _of_name(folder, rf"{_NAME}(\.npz)?")]
+
+
+def abandoned_in(folder: Path) -> list[Path]:
+    """What was begun in a cache folder so long ago that nobody writes it any more."""
+    named = _of_name(folder, rf"\.{_NAME}(-|\.npz\.){_BEGUN}")
+    return [path for path, modified in named if time() - modified > ABANDONED]
+
+
+def _of_name(folder: Path, name: str) -> list[tuple[Path, float]]:
+    """What has such a name, with the time of its modification."""
+    found = []
+    with suppress(OSError):  # another process forgets at the same time
+        found = [(path, path.lstat().st_mtime) for path in sorted(folder.iterdir()) if re.fullmatch(name, path.name)]
+    return sorted(found, key=lambda one: -one[1])
+
+
+def damage(place: Path, *, measured: bool) -> str | None:
+    """What is wrong with a kept folder of arrays, or a kept ``.npz``; None for one as it was written.
+
+    ``measured``: held to its checksums, 0.4 s a gigabyte, and not to its sizes alone.
+    """
     try:
-        return sum(file.stat().st_size for file in (place.iterdir() if place.is_dir() else [place]))
-    except OSError:
-        return 0
+        if place.is_dir():
+            said = json.loads((place / MANIFEST).read_bytes())
+            files = {
+                _file(place, name): {"bytes": row["bytes"], "crc32": row["crc32"]}
+                for name, row in said["arrays"].items()
+            }
+            whole = said["key"] == place.name and all(
+                (_measured(file) == row) if measured else file.stat().st_size == row["bytes"]
+                for file, row in files.items()
+            )
+            return None if whole else "is not what was written"
+        with ZipFile(place) as file:
+            return None if not measured or file.testzip() is None else "is not what was written"
+    except (OSError, ValueError, LookupError, TypeError, AttributeError, BadZipFile) as error:
+        return f"cannot be read: {' '.join(str(error).split())[:100]}"
 
 
 ROOT = Path(__file__).parents[2]

@@ -53,16 +53,25 @@ class Scratch:
 
 
 def sweep() -> None:
-    """Remove the folders of processes that were killed. Whoever has the lock of one is alive."""
+    """Remove the folders of processes that were killed."""
+    for folder in left_over():
+        shutil.rmtree(folder, ignore_errors=True)
+
+
+def left_over() -> Iterator[Path]:
+    """The folders of processes that were killed. Whoever has the lock of one is alive."""
     for folder in Path(tempfile.gettempdir()).glob(f"{PREFIX}*"):
         with contextlib.suppress(OSError):  # another's, or gone meanwhile
             if time() - folder.stat().st_mtime > YOUNG and _is_left(folder):
-                shutil.rmtree(folder, ignore_errors=True)
+                yield folder
 
 
 def _is_left(folder: Path) -> bool:
     """Whether nobody has its lock."""
-    lock = os.open(folder / LOCK, os.O_CREAT | os.O_RDWR | os.O_CLOEXEC)
+    try:
+        lock = os.open(folder / LOCK, os.O_RDWR | os.O_CLOEXEC)
+    except FileNotFoundError:  # its maker was killed before
+        return True
     try:
         fcntl.flock(lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
     except BlockingIOError:

@@ -84,16 +84,22 @@ def kb_of(folder: str) -> "KnowledgeBase":
     Its rules are held to the allow-list here, before any work is done with it. Raises KBError, ProgramError.
     """
     from geometry.files.remembered import cache_folder
-    from kb.files.folder import shipped
     from kb.files.read import read_kb
     from plogic.logic.safety.atoms import Names
     from plogic.logic.safety.author import author_rules
     from plogic.scene.text.rules import defined
 
-    path = Path(folder)
-    kb = read_kb(path if is_there(path) or "/" in folder else shipped(folder), cache_folder("surfaces"))
+    kb = read_kb(kb_folder(folder), cache_folder("surfaces"))
     author_rules(kb.rules, Names({}, {}), defined())
     return kb
+
+
+def kb_folder(name: str) -> Path:
+    """The folder of a knowledge base, or of a shipped one. Raises KBError where it is neither."""
+    from kb.files.folder import shipped
+
+    path = Path(name)
+    return path if is_there(path) or "/" in name else shipped(name)
 
 
 def is_program(source: str) -> bool:

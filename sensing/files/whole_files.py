@@ -1,6 +1,7 @@
 """Files that are written whole or not at all."""
 
 import os
+import re
 import shutil
 import tempfile
 from collections.abc import Iterable, Iterator, Mapping
@@ -9,6 +10,9 @@ from pathlib import Path
 
 from geometry.files.plain_files import IS_FOLDER, IS_MISSING, TOO_LONG, fault_of
 from sensing.errors import SensingError
+
+_TEMPORARY = re.compile(r"\..+\.[a-z0-9_]{8}")
+"""``.NAME.xxxxxxxx``, as ``tempfile`` makes it."""
 
 
 def write_whole(path: Path, data: bytes) -> None:
@@ -36,6 +40,14 @@ def write_files(files: Mapping[Path, bytes]) -> None:
     finally:
         for temporary in temporaries.values():
             temporary.unlink(missing_ok=True)
+
+
+def left_beside(folder: Path) -> list[Path]:
+    """What writers of this module were writing in a folder: still, or when they were killed."""
+    try:
+        return sorted(path for path in folder.iterdir() if _TEMPORARY.fullmatch(path.name))
+    except OSError:
+        return []
 
 
 def check_places(places: Iterable[Path]) -> None:

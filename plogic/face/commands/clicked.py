@@ -1,6 +1,6 @@
-"""The commands ``batch``, ``bop``, ``measures``, ``next-view``, ``schema`` and ``settle`` as click has them.
+"""The commands ``batch``, ``bop``, ``doctor``, ``measures``, ``next-view``, ``schema``, ``settle`` and ``watch``.
 
-One function each, which parses, calls and prints.
+One function of click's each, which parses, calls and prints.
 """
 
 import math
@@ -37,7 +37,10 @@ from plogic.face.shown.options import (
 HELP = {"help_option_names": ["-h", "--help"]}
 SETTINGS = "camera", "reading", "reconsider", "smoothing", "deadline", "worlds", "full"
 """The options of ``batch`` that decide a frame's line."""
-FORMATS = "gamma", "camera", "poses", "moves", "stereo", "truth", "interpretation", "panorama", "answers", "frame"
+FORMATS = (
+    *("gamma", "camera", "poses", "moves", "stereo", "truth"),
+    *("interpretation", "panorama", "answers", "frame", "doctor"),
+)
 
 
 @click.command(context_settings=HELP)
@@ -279,3 +282,22 @@ def schema(name: str) -> None:
     from plogic.face.commands.formats import schema_command
 
     emit(schema_command(name))
+
+
+@click.command(context_settings=HELP)
+@click.option(
+    "--kb", "knowledge_bases", multiple=True, metavar="KB", help="Look at a knowledge base, too; may be repeated."
+)
+@click.option("--fix", is_flag=True, help="Remove what is damaged, and what killed processes left; say what was done.")
+@AS_JSON
+def doctor(knowledge_bases: tuple[str, ...], *, fix: bool, as_json: bool) -> None:
+    """Say what is wrong with the installation, its caches, and knowledge bases, and what to do.
+
+    Versions against those that are admitted, tools that may be there or not, what is kept from run to run and what was
+    left behind, limits in force, the console's encoding. The exit status is 1 where something is wrong.
+    """
+    from plogic.face.commands.doctor import doctor_command
+
+    text, status = doctor_command(knowledge_bases, fix=fix, as_json=as_json)
+    emit(text)
+    sys.exit(status)

@@ -23,6 +23,7 @@ def formats() -> dict[str, Format]:
     from geometry.files.pose_files import MovesRow, PosesRow
     from plogic.facts.document import Interpretation, TruthRow
     from plogic.run.batch.frame_lines import FrameLine
+    from plogic.run.health.findings import Health
     from plogic.scene.document import Answers
     from plogic.sequence.document import Panorama
     from sensing.files.gamma_files import GammaRow
@@ -69,6 +70,7 @@ def formats() -> dict[str, Format]:
             "One line of many frames",
             "`batch` writes such lines, and `batch --resume` goes on after them; `watch` does of bad frames, and with `--short`.",
         ),
+        "doctor": Format(Health, "What is wrong with an installation", "`doctor --json` prints it."),
     }
 
 

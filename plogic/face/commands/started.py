@@ -1,6 +1,7 @@
 """The console script: the command line, or one sentence where a file of the user's own hides a part of it."""
 
 import gc
+import os
 import sys
 from importlib import import_module
 
@@ -20,4 +21,20 @@ def main() -> None:
     if told is not None:
         sys.stderr.write(f"plogic: {told}\n")
         sys.exit(1)
-    import_module(COMMAND).main()
+    try:
+        command = import_module(COMMAND)
+    except ImportError as error:
+        sys.exit(_without(error))
+    command.main()
+
+
+def _without(error: ImportError) -> int:
+    """What can be done where a package is missing, or cannot be loaded: returns the exit status."""
+    if os.environ.get("PLOGIC_TRACEBACK"):
+        raise error
+    if sys.argv[1:2] == ["doctor"]:
+        from plogic.face.commands.doctor import doctor_alone
+
+        return doctor_alone(sys.argv[2:])
+    sys.stderr.write(f"plogic: the installation is not whole: {error}; plogic doctor tells more\n")
+    return 1

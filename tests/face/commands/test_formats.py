@@ -60,6 +60,7 @@ READERS = {
     "panorama": read_looked,
     "answers": held,
     "frame": held,
+    "doctor": held,
 }
 
 

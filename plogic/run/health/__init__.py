@@ -1,0 +1,1 @@
+"""What is wrong with an installation, its caches and its knowledge bases, and its repair."""
