@@ -49,7 +49,7 @@ compat-lowest compat-newest: compat-%:
 	if [ ! "$$venv/.ready" -nt pyproject.toml ]; then \
 	    "$$python" -m venv --clear "$$venv"; \
 	    "$$venv/bin/python" -m pip install --quiet --disable-pip-version-check uv; \
-	    "$$venv/bin/uv" pip install --quiet --python "$$venv/bin/python" --resolution $(RESOLUTION) -r pyproject.toml --extra dev; \
+	    "$$venv/bin/uv" pip install --quiet --compile-bytecode --python "$$venv/bin/python" --resolution $(RESOLUTION) -r pyproject.toml --extra dev; \
 	    "$$venv/bin/uv" pip install --quiet --python "$$venv/bin/python" --no-deps --editable .; \
 	    touch "$$venv/.ready"; \
 	fi; \
