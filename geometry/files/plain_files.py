@@ -8,10 +8,11 @@ the error that the caller hands in (JSON documents: ``geometry.files.documents``
 
 import errno
 import os
+import select
 import stat
-import sys
 from collections.abc import Callable
-from contextlib import nullcontext
+from contextlib import AbstractContextManager
+from io import FileIO
 from pathlib import Path
 
 IS_MISSING, IS_FOLDER, TOO_LONG = "is missing", "is a folder, not a file", "has a name that is too long for a file"
@@ -67,22 +68,61 @@ def is_there(path: Path) -> bool:
     return True
 
 
+SILENCE = 600.0
+"""Seconds without a byte after which nothing more is expected of a pipe: what writes into it may work for minutes."""
+_PIECE = 1 << 20
+
+
 def content_of(path: Path | str, most: int, error: Callable[[str], Exception]) -> bytes:
     """The bytes of a file, of a pipe or, of '-', of stdin, of at most ``most`` bytes.
+
+    A pipe that says nothing for ``SILENCE`` seconds is given up; a device is never read, but for the terminal.
 
     Raises:
         error: The file cannot be read, or is larger.
     """
+    data = bytearray()
     try:
-        with nullcontext(sys.stdin.buffer) if str(path) == "-" else Path(path).open("rb") as file:
-            data = bytearray()
-            while len(data) <= most and (more := file.read(1 << 20)):
+        with _opened(path) as file:
+            found = os.fstat(file.fileno())
+            if stat.S_ISREG(found.st_mode) and found.st_size > most:
+                raise error(f"{name_of(path)}: has {found.st_size} bytes, more than the {most} that are read")
+            if not (stat.S_ISREG(found.st_mode) or _is_pipe(found.st_mode) or file.isatty()):
+                raise error(f"{name_of(path)}: {_kind_of(found.st_mode)}")
+            while len(data) <= most and (more := _piece(file, path, error, waits=_is_pipe(found.st_mode))):
                 data += more
     except OSError as fault:
-        raise error(f"{path}: cannot be read: {fault.strerror}") from None
+        raise error(f"{name_of(path)}: cannot be read: {fault.strerror}") from None
+    except ValueError:
+        raise error(f"{name_of(path)}: has a name that no file can have") from None
     if len(data) > most:
-        raise error(f"{name_of(path)}: is larger than the {most} bytes that are read")
+        raise error(f"{name_of(path)}: has more than the {most} bytes that are read")
     return bytes(data)
+
+
+def _opened(path: Path | str) -> AbstractContextManager[FileIO]:
+    """A file, or stdin, of which nothing is read ahead; a pipe that nobody writes to opens, too."""
+    if str(path) == "-":
+        return FileIO(0, closefd=False)
+    return FileIO(os.open(path, os.O_RDONLY | os.O_NONBLOCK | os.O_CLOEXEC | os.O_NOCTTY))
+
+
+def _is_pipe(mode: int) -> bool:
+    return stat.S_ISFIFO(mode) or stat.S_ISSOCK(mode)
+
+
+def _kind_of(mode: int) -> str:
+    return "cannot be read: Is a directory" if stat.S_ISDIR(mode) else "is a device, not a file"
+
+
+def _piece(file: FileIO, path: Path | str, error: Callable[[str], Exception], *, waits: bool) -> bytes:
+    """The next bytes, none at the end."""
+    while True:
+        if waits and not select.select([file], [], [], SILENCE)[0]:
+            raise error(f"{name_of(path)}: nothing came through this pipe for {SILENCE:g} s")
+        more = file.read(_PIECE)
+        if more is not None:  # None: another process read first
+            return more
 
 
 def name_of(path: Path | str) -> str:

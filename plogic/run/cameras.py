@@ -127,37 +127,55 @@ def shot_of(source: str, given: GivenCamera, ways: str = WAYS) -> Shot:
     from geometry.files.plain_files import content_of
     from sensing.errors import ImageError
     from sensing.files.exif import exif_of
-    from sensing.files.images import MAX_BYTES, image_from
+    from sensing.files.images import MAX_BYTES, image_from, size_of
 
     data = content_of(source, MAX_BYTES, ImageError)
-    return shot_with(image_from(data, source), given, source, exif_of(data), ways)
+    camera, notes = _camera_of(size_of(data, source), given, source, exif_of(data), ways)
+    return Shot(image_from(data, source), camera, notes)
 
 
-def shot_with(
-    image: "NDArray[Any]", given: GivenCamera, source: str, exif: "Exif | None" = None, ways: str = WAYS
-) -> Shot:
-    """A picture (H, W, 3) that was read from ``source``, with its camera; ``exif`` where the file has such.
+def shot_with(image: "NDArray[Any]", given: GivenCamera, source: str, ways: str = WAYS) -> Shot:
+    """A picture (H, W, 3) that was read from ``source`` and has no EXIF, with its camera.
 
-    Raises NoCameraError where nothing tells the camera, InputError where a file's is of another size; CameraError.
+    Raises NoCameraError where nothing was given, InputError where a file's is of another size; CameraError.
     """
+    return Shot(image, *_camera_of((image.shape[1], image.shape[0]), given, source, None, ways))
+
+
+def _camera_of(
+    size: tuple[int, int], given: GivenCamera, source: str, exif: "Exif | None", ways: str
+) -> "tuple[Camera, tuple[str, ...]]":
+    """The camera of a picture of this size (width, height), and notes on it."""
     from sensing.files.exif import Exif
 
-    size = image.shape[1], image.shape[0]
     camera = given.of(size, source)
     if camera is None and exif is None:
         raise NoCameraError(f"{source}: an image needs its camera: give {ways}")
     exif = exif or Exif()
     if camera is None:
-        return Shot(image, *_guessed(size, source, exif, ways))
+        return _guessed(size, source, exif, ways)
     if given.file is not None:
-        sized(camera, image, given.file, source)
-        return Shot(image, camera, _contradicted(camera, exif, given))
-    return Shot(image, camera, (*_turned(exif, size), *_contradicted(camera, exif, given)))
+        sized(camera, size, given.file, source)
+        return camera, _contradicted(camera, exif, given)
+    return camera, (*_turned(exif, size), *_contradicted(camera, exif, given))
 
 
-def sized(camera: "Camera", image: "NDArray[Any]", named: str, source: str) -> "Camera":
-    """The camera itself. Raises InputError where the picture (H, W, 3), from ``source``, is of another size."""
-    size = image.shape[1], image.shape[0]
+def image_by(camera: "Camera", source: str, named: str) -> "NDArray[Any]":
+    """The picture (H, W, 3) of a file, which must be of the camera's size; ``named`` is what errors call the camera.
+
+    Raises InputError before anything is decoded, or ImageError.
+    """
+    from geometry.files.plain_files import content_of
+    from sensing.errors import ImageError
+    from sensing.files.images import MAX_BYTES, image_from, size_of
+
+    data = content_of(source, MAX_BYTES, ImageError)
+    sized(camera, size_of(data, source), named, source)
+    return image_from(data, source)
+
+
+def sized(camera: "Camera", size: tuple[int, int], named: str, source: str) -> "Camera":
+    """The camera itself. Raises InputError where the picture, from ``source``, is of another size (width, height)."""
     if (camera.width, camera.height) != size:
         what = f"{named}: the camera is {camera.width}x{camera.height}, but {source} is {size[0]}x{size[1]}"
         raise InputError(f"{what}: {_resized(camera, size)}")

@@ -3,7 +3,6 @@
 Knowledge bases, interpretations, programs, and Γ, its file or detected in a picture (``plogic.run.cameras``).
 """
 
-import sys
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -109,12 +108,6 @@ def is_program(source: str) -> bool:
 
 def program_text_of(path: str) -> str:
     """The text of a program or rules file; `-` is stdin. Raises InputError."""
-    try:
-        data = sys.stdin.buffer.read(LARGEST_PROGRAM + 1) if path == "-" else Path(path).read_bytes()
-        if len(data) > LARGEST_PROGRAM:
-            raise InputError(f"{path}: is larger than the {LARGEST_PROGRAM} bytes that a program may have")
-        return data.decode("utf-8-sig")
-    except OSError as error:
-        raise InputError(f"{path}: cannot be read: {error.strerror}") from None
-    except UnicodeDecodeError as error:
-        raise InputError(f"{path}: is not UTF-8 text (byte {error.start})") from None
+    from geometry.files.plain_files import text_of
+
+    return text_of(path, LARGEST_PROGRAM, InputError, "program")

@@ -8,6 +8,7 @@ from strangers: no offset is trusted, two directories are read and no third, wha
 
 import struct
 from collections.abc import Iterator
+from collections.abc import Set as AbstractSet
 from math import isfinite
 from typing import NamedTuple
 
@@ -51,7 +52,7 @@ class Guess(NamedTuple):
 def exif_of(data: bytes) -> Exif:
     """What the bytes of a picture say; nothing where there is no EXIF, or none that can be read. Raises nothing."""
     for block in _blocks(data):
-        tags = _Tags(block).read()
+        tags = _Tags(block, _WANTED).read()
         if tags:
             found = _exif(tags)
             return found._replace(orientation=1) if block is data else found  # OpenCV turns a TIFF as it decodes it
@@ -102,16 +103,25 @@ def _positive(value: float | None) -> float | None:
     return value if value is not None and value > 0 else None
 
 
+def tiff_tags(tiff: bytes, wanted: AbstractSet[int]) -> dict[int, float]:
+    """The wanted tags of a TIFF's first directory, of one number each; none where it is no TIFF. Raises nothing."""
+    return _Tags(tiff, wanted).first()
+
+
 class _Tags:
     """The wanted tags of a TIFF's first directory and of its EXIF directory, as numbers."""
 
-    def __init__(self, tiff: bytes) -> None:
+    def __init__(self, tiff: bytes, wanted: AbstractSet[int]) -> None:
         self._tiff, self._order = tiff, {b"II*\x00": "<", b"MM\x00*": ">"}.get(tiff[:4], "")
+        self._wanted = wanted
+
+    def first(self) -> dict[int, float]:
+        """Those of the first directory, by tag; empty where the block is no TIFF."""
+        return self._directory(self._number("I", 4) if self._order else None)
 
     def read(self) -> dict[int, float]:
-        """By tag; empty where the block is no TIFF."""
-        first = self._number("I", 4) if self._order else None
-        tags = self._directory(first)
+        """Those of both."""
+        tags = self.first()
         return tags | self._directory(tags.get(_DIRECTORY))
 
     def _directory(self, at: float | None) -> dict[int, float]:
@@ -119,7 +129,9 @@ class _Tags:
             return {}
         places = (int(at) + 2 + 12 * n for n in range(min(int(count), MOST_ENTRIES)))
         entries = ((self._number("H", place), self._value(place)) for place in places)
-        return {int(tag): value for tag, value in entries if tag in _WANTED and tag is not None and value is not None}
+        return {
+            int(tag): value for tag, value in entries if tag in self._wanted and tag is not None and value is not None
+        }
 
     def _value(self, place: int) -> float | None:
         """The one number of an entry; None of another type, of several, or past the end."""

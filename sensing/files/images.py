@@ -11,13 +11,19 @@ with transparency      the alpha channel is dropped
 floating point         refused
 =====================  =======================================================================
 
-Whether an image file's bytes are whole, told before they are decoded: decoders fill in what is missing, or complain on
-standard error.
+Whether an image file's bytes are whole, and how large it is, is told before they are decoded: decoders fill in what is
+missing, and reserve what is claimed. What a decoder calls corrupt is refused.
 """
 
 import logging
+import os
+import re
 import struct
+import tempfile
+import threading
 import zlib
+from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
@@ -26,11 +32,14 @@ from numpy.typing import NDArray
 
 from geometry.files.plain_files import content_of
 from sensing.errors import ImageError
+from sensing.files.picture_heads import JPEG_START, KINDS, PNG_START, head_of
 
 MAX_PIXELS = 200_000_000
-"""No image may have more; a PNG of a few bytes can claim any number."""
-_PNG, _JPEG = b"\x89PNG\r\n\x1a\n", b"\xff\xd8\xff"
-
+"""No image may have more."""
+MAX_SCANNED = 10 * MAX_PIXELS
+"""Pixels of all the scans of a JPEG: cameras and programs write ten at most, a file could have thousands."""
+_CORRUPT = re.compile(r"(Corrupt JPEG data|Premature end of JPEG|Inconsistent progression)(?!.* before marker 0xd9).*")
+"""What libjpeg says of a picture that it fills up by guess; bytes before the end's marker are sent by many cameras."""
 
 _LOG = logging.getLogger("plogic.sensing")
 MAX_BYTES = 256 * 1024 * 1024
@@ -53,29 +62,75 @@ def read_image(path: str | Path) -> NDArray[np.uint8]:
 
 def image_from(data: bytes, name: str | Path) -> NDArray[np.uint8]:
     """The same from an image file's bytes; ``name`` is what errors call it. Raises ImageError."""
-    wrong = damage(data)
-    if wrong is not None:
-        raise ImageError(f"{name}: {wrong}")
-    pixels = _decoded(data)
+    width, height = size_of(data, name)
+    pixels, said = _decoded(data)
     if pixels is None:
         raise ImageError(f"{name}: is not an image that OpenCV can read ({len(data)} bytes)")
+    if (corrupt := _CORRUPT.search(said)) is not None:
+        raise ImageError(f"{name}: the file is damaged: {corrupt[0]:.100}")
+    if pixels.shape[:2] != (height, width):
+        held = f"{pixels.shape[1]}x{pixels.shape[0]}"
+        raise ImageError(f"{name}: the file is damaged: it says that it has {width}x{height} pixels, and holds {held}")
     return _as_bgr(pixels, name)
 
 
-def _decoded(data: bytes) -> NDArray[Any] | None:
-    """The file's own pixels, or None where OpenCV cannot tell; what it says on standard error is held back."""
+def size_of(data: bytes, name: str | Path) -> tuple[int, int]:
+    """Width and height, pixels, of an image file's bytes, which are not decoded.
+
+    Raises:
+        ImageError: No image, damaged or cut off as far as it shows, or too large.
+    """
+    head, wrong = head_of(data), damage(data)
+    if wrong is not None:
+        raise ImageError(f"{name}: {wrong}")
+    if head is None:
+        raise ImageError(f"{name}: is not an image that can be read ({len(data)} bytes): {KINDS} are")
+    size, scans = f"{head.width}x{head.height}", data.count(b"\xff\xda") if head.kind == "JPEG" else 1
+    if not 0 < head.width * head.height <= MAX_PIXELS:
+        raise ImageError(f"{name}: the {head.kind} file says that it has {size} pixels, not 1 to {MAX_PIXELS}")
+    if head.width * head.height * scans > MAX_SCANNED:
+        raise ImageError(f"{name}: the JPEG file has {scans} scans of {size} pixels, more than {MAX_SCANNED} in all")
+    return head.width, head.height
+
+
+def _decoded(data: bytes) -> tuple[NDArray[Any] | None, str]:
+    """The file's own pixels, or None where OpenCV cannot tell, and what the decoder said, which nobody sees."""
     import cv2
 
     log: Any = cv2 if hasattr(cv2, "setLogLevel") else cv2.utils.logging  # OpenCV 4, OpenCV 5
-    level = log.getLogLevel()
-    log.setLogLevel(0)
-    try:
-        pixels = cv2.imdecode(np.frombuffer(data, np.uint8), cv2.IMREAD_UNCHANGED)
-    except cv2.error:
-        return None
-    finally:
-        log.setLogLevel(level)
-    return None if pixels is None else np.asarray(pixels)
+    with _said() as said:
+        level = log.getLogLevel()
+        log.setLogLevel(0)
+        try:
+            pixels = cv2.imdecode(np.frombuffer(data, np.uint8), cv2.IMREAD_UNCHANGED)
+        except (cv2.error, MemoryError):
+            pixels = None
+        finally:
+            log.setLogLevel(level)
+    return None if pixels is None else np.asarray(pixels), "".join(said)
+
+
+_SAYING = threading.Lock()
+
+
+@contextmanager
+def _said() -> Iterator[list[str]]:
+    """Hold back what decoders, which know no other way, write to standard error; it is in the list afterwards."""
+    said: list[str] = []
+    with _SAYING, tempfile.TemporaryFile() as held:
+        try:
+            kept = os.dup(2)
+        except OSError:  # there is no standard error
+            yield said
+            return
+        os.dup2(held.fileno(), 2)
+        try:
+            yield said
+        finally:
+            os.dup2(kept, 2)
+            os.close(kept)
+            held.seek(0)
+            said.append(held.read().decode(errors="replace"))
 
 
 def _as_bgr(pixels: NDArray[Any], path: str | Path) -> NDArray[np.uint8]:
@@ -109,19 +164,19 @@ def damage(data: bytes) -> str | None:
     """
     if not data:
         return "is empty"
-    if data.startswith(_JPEG):
+    if data.startswith(JPEG_START):
         return None if b"\xff\xd9" in data[-4096:] else f"the JPEG file is cut off after {len(data)} bytes"
-    return _png_damage(data) if data.startswith(_PNG) else None
+    return _png_damage(data) if data.startswith(PNG_START) else None
 
 
 def _png_damage(data: bytes) -> str | None:
     """As ``damage``: a PNG is a chain of chunks, each with its length, its name and a checksum, from IHDR to IEND."""
-    at, name = len(_PNG), b""
+    at, name = len(PNG_START), b""
     while name != b"IEND":
         if at + 12 > len(data):
             return f"the PNG file is cut off after {len(data)} bytes"
         size, name = struct.unpack_from(">I4s", data, at)
-        if at == len(_PNG) and (wrong := _header_damage(data, size, name)):
+        if at == len(PNG_START) and (wrong := _header_damage(data, size, name)):
             return wrong
         if at + 12 + size > len(data):
             return f"the PNG file is cut off after {len(data)} bytes"
@@ -135,9 +190,6 @@ def _png_damage(data: bytes) -> str | None:
 def _header_damage(data: bytes, size: int, name: bytes) -> str | None:
     if name != b"IHDR" or size != 13:
         return "the PNG file is damaged: it does not begin with its header"
-    if len(data) < len(_PNG) + 16:
+    if len(data) < len(PNG_START) + 16:
         return f"the PNG file is cut off after {len(data)} bytes"
-    width, height = struct.unpack_from(">II", data, len(_PNG) + 8)
-    if not 0 < width * height <= MAX_PIXELS:
-        return f"the PNG file says that it has {width}x{height} pixels, not 1 to {MAX_PIXELS}"
     return None

@@ -129,7 +129,7 @@ def _registered(kind: ObjectType, sources: Photo) -> tuple[Registration, Painted
     size = photo.shape[1], photo.shape[0]
     camera = sources.camera.of(size, str(sources.photo))
     if camera is not None:
-        sized(camera, photo, str(sources.camera.file), str(sources.photo))
+        sized(camera, size, str(sources.camera.file), str(sources.photo))
     found = registered(points, size, kind.surface, camera)
     mesh = painted(kind.surface, photo, found.camera, found.camera_from_object)
     if len(mesh.triangles) > MAX_TRIANGLES:

@@ -28,7 +28,7 @@ from plogic.face.shown.options import Marks, Perceiving, written
 from plogic.facts.document import Interpretation
 from plogic.facts.interpretation import text_of
 from plogic.facts.situation import stopped_in
-from plogic.run.cameras import GivenCamera, Shot, shot_of, sized
+from plogic.run.cameras import GivenCamera, Shot, image_by, shot_of
 from plogic.run.document import place_of, placed_in, surpassed
 from plogic.run.perceive import perceiver_of
 from plogic.run.silence.beforehand import beforehand
@@ -40,7 +40,6 @@ from plogic.scene.worlds.predictions import Doubt, said
 from plogic.sequence.unposed.reading import doubts_weighed
 from sensing.appearance import Gamma
 from sensing.files.gamma_files import read_gamma
-from sensing.files.images import read_image
 from sensing.files.whole_files import check_places, write_files
 from sensing.simulated.physics import INSTALL, NO_PHYSICS, has_physics
 
@@ -135,8 +134,8 @@ def _side(
         return read_gamma(source, kb.appearance_types), None
     if camera is None:
         raise InputError(f"{source}: an image needs its camera: {stereo} must have left and right")
-    picture = read_image(source)
-    return detected(picture, sized(camera, picture, stereo, source), kb, clock), picture
+    picture = image_by(camera, source, stereo)
+    return detected(picture, camera, kb, clock), picture
 
 
 def _chosen(options: Perceiving) -> Options:

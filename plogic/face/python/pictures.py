@@ -14,7 +14,7 @@ from geometry.errors import CameraError
 from geometry.field_of_view import focal_across
 from geometry.files.camera_files import read_camera
 from plogic.face.session.blocks import Block, Column, Rows, Table
-from plogic.run.cameras import GivenCamera, Shot, shot_of, shot_with, sized
+from plogic.run.cameras import GivenCamera, Shot, image_by, shot_of, shot_with, sized
 from sensing import appearance as sensing_appearance
 from sensing.appearance import Appearance
 from sensing.errors import ImageError
@@ -161,13 +161,15 @@ def shot_for(image: Image, camera: geometry_camera.Camera | str | Path | None, a
     Raises:
         Error: where the image cannot be read, nothing tells its camera, or that is of another size.
     """
-    source = str(image) if isinstance(image, (str, Path)) else "the image"
-    if isinstance(camera, geometry_camera.Camera):
-        pixels = pixels_of(image)
-        return Shot(pixels, sized(camera, pixels, "camera", source))
-    given = GivenCamera() if camera is None else GivenCamera(str(camera))
     named = isinstance(image, (str, Path))
-    shot = shot_of(source, given, WAYS) if named else shot_with(pixels_of(image), given, source, ways=WAYS)
+    source = str(image) if named else "the image"
+    if isinstance(camera, geometry_camera.Camera):
+        if named:
+            return Shot(image_by(camera, source, "camera"), camera)
+        pixels = pixels_of(image)
+        return Shot(pixels, sized(camera, (pixels.shape[1], pixels.shape[0]), "camera", source))
+    given = GivenCamera() if camera is None else GivenCamera(str(camera))
+    shot = shot_of(source, given, WAYS) if named else shot_with(pixels_of(image), given, source, WAYS)
     for note in shot.notes:
         warnings.warn(f"{source}: {note}", stacklevel=above)
     return shot

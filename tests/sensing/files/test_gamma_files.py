@@ -4,16 +4,15 @@ from __future__ import annotations
 
 import base64
 import copy
-import io
 import json
 import math
 from dataclasses import replace
-from types import SimpleNamespace
 
 import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from in_process import standard_input
 
 from geometry.camera import Camera
 from sensing.appearance import Appearance, Gamma
@@ -112,10 +111,10 @@ def test_a_file_round_trip_gives_the_same_bytes(tmp_path):
     assert sorted(p.name for p in tmp_path.iterdir()) == ["a.json", "b.json"]
 
 
-def test_a_dash_is_standard_input_and_output(monkeypatch, capsys):
+def test_a_dash_is_standard_input_and_output(capsys):
     write_gamma(gamma_from_dict(GOOD), "-")
-    monkeypatch.setattr("sys.stdin", SimpleNamespace(buffer=io.BytesIO(capsys.readouterr().out.encode())))
-    assert len(read_gamma("-").appearances) == 2
+    with standard_input(capsys.readouterr().out):
+        assert len(read_gamma("-").appearances) == 2
 
 
 def test_an_empty_gamma_and_a_gamma_of_one_are_read():

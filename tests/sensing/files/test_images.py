@@ -11,7 +11,8 @@ import numpy as np
 import pytest
 
 from sensing.errors import ImageError
-from sensing.files.images import read_image
+from sensing.files.images import image_from, read_image
+from sensing.files.picture_heads import head_of
 
 PIXELS = np.random.default_rng(0).integers(0, 256, (24, 32, 3)).astype(np.uint8)
 
@@ -120,3 +121,79 @@ def test_a_missing_file_or_a_folder_is_one_clear_line(tmp_path):
     for path in (tmp_path / "none.png", tmp_path):
         with pytest.raises(ImageError, match="cannot be read"):
             read_image(path)
+
+
+KINDS = {
+    "png": "PNG", "jpg": "JPEG", "bmp": "BMP", "gif": "GIF", "tiff": "TIFF", "webp": "WebP", "pgm": "PNM", "ppm": "PNM", "pbm": "PNM",
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_the_head_tells_what_the_decoder_gives(tmp_path, kind):
+    pixels = PIXELS[:, :, 0] if kind in ("pgm", "pbm") else PIXELS
+    path = written(tmp_path / f"a.{kind}", pixels)
+    assert head_of(path.read_bytes()) == (KINDS[kind], 32, 24)
+    assert read_image(path).shape == (24, 32, 3)
+
+
+@pytest.mark.parametrize("kind", ["hdr", "ras", "pfm"])
+def test_a_kind_whose_head_is_not_read_is_not_decoded(tmp_path, kind):
+    pixels = PIXELS.astype(np.float32) if kind in ("hdr", "pfm") else PIXELS
+    with pytest.raises(ImageError, match=r"is not an image that can be read .*: PNG, JPEG, BMP"):
+        read_image(written(tmp_path / f"a.{kind}", pixels))
+
+
+def jpeg_of(width, height):
+    """A JPEG that says so of 24 rows of 32 pixels."""
+    data = bytearray(cv2.imencode(".jpg", PIXELS)[1].tobytes())
+    at = data.find(b"\xff\xc0") + 5
+    data[at : at + 4] = struct.pack(">HH", height, width)
+    return bytes(data)
+
+
+def bmp_of(width, height):
+    data = cv2.imencode(".bmp", PIXELS)[1].tobytes()
+    return data[:18] + struct.pack("<ii", width, height) + data[26:]
+
+
+def ppm_of(width, height):
+    return b"P6 # a comment\n%d\n%d 255\n" % (width, height) + PIXELS.tobytes()
+
+
+def gif_of(width, height):
+    data = cv2.imencode(".gif", PIXELS)[1].tobytes()
+    return data[:6] + struct.pack("<HH", width, height) + data[10:]
+
+
+@pytest.mark.parametrize("made", [jpeg_of, bmp_of, ppm_of, gif_of])
+def test_a_picture_that_lies_about_its_size_is_refused(tmp_path, capfd, made):
+    (tmp_path / "lie").write_bytes(made(30_000, 30_000))
+    with pytest.raises(ImageError, match="says that it has 30000x30000 pixels, not 1 to"):
+        read_image(tmp_path / "lie")
+    (tmp_path / "lie").write_bytes(made(32, 24))
+    assert read_image(tmp_path / "lie").shape == (24, 32, 3)
+    assert capfd.readouterr().err == ""
+
+
+@pytest.mark.parametrize("made", [jpeg_of, bmp_of, ppm_of])
+def test_a_picture_that_ends_before_its_rows_do_is_refused(tmp_path, capfd, made):
+    (tmp_path / "lie").write_bytes(made(32, 60))
+    with pytest.raises(ImageError, match=r"the file is damaged|is not an image that OpenCV can read"):
+        read_image(tmp_path / "lie")
+    assert capfd.readouterr().err == ""
+
+
+def test_what_the_decoder_calls_corrupt_is_refused_and_says_nothing_itself(tmp_path, capfd):
+    whole = cv2.imencode(".jpg", PIXELS)[1].tobytes()
+    (tmp_path / "cut.jpg").write_bytes(whole[:-100] + b"\xff\xd9")
+    with pytest.raises(ImageError, match=r"cut\.jpg: the file is damaged: Corrupt JPEG data: premature end"):
+        read_image(tmp_path / "cut.jpg")
+    (tmp_path / "more.jpg").write_bytes(whole[:-2] + b"some more\xff\xd9")  # as many cameras send it
+    assert np.array_equal(read_image(tmp_path / "more.jpg"), cv2.imdecode(np.frombuffer(whole, np.uint8), 1))
+    assert capfd.readouterr().err == ""
+
+
+def test_a_jpeg_of_thousands_of_scans_is_not_decoded(tmp_path):
+    scans = b"\xff\xda" * 3000
+    with pytest.raises(ImageError, match="has 3001 scans of 1000x1000 pixels, more than 2000000000 in all"):
+        image_from(jpeg_of(1000, 1000)[:-2] + scans + b"\xff\xd9", "bomb.jpg")
