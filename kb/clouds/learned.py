@@ -7,6 +7,7 @@
 """
 
 import io
+import tokenize
 import zipfile
 import zlib
 from collections.abc import Iterable
@@ -240,6 +241,7 @@ _FAULTS = (
     RuntimeError,
     MemoryError,
     OverflowError,
+    tokenize.TokenError,  # numpy, of the head of an array
 )
 
 

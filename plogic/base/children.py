@@ -219,6 +219,11 @@ class Copy:
         self._process = context.Process(target=_copied, args=(parent, memory, work, arguments), daemon=True)
         self._process.start()
 
+    @property
+    def pid(self) -> int:
+        """Its number."""
+        return self._process.pid or 0
+
     def end(self) -> None:
         """Kill it, unless it has ended."""
         self._process.kill()

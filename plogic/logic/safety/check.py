@@ -30,11 +30,13 @@ from plogic.logic.safety.allowlist import (
     SPECIAL_HEADS,
 )
 from plogic.logic.safety.closest import closest
+from plogic.logic.safety.rows import LONG, MOST, rows_in
 
 LONGEST_TEXT = 20_000_000
 """Characters that a program may have."""
 _NO_NUMBERS = r"%.*|'(?:[^'\\]|\\.|'')*'|\"(?:[^\"\\]|\\.)*\""
 """Comments and quoted texts of a program."""
+TOO_LONG_ROWS = "too many operators in a row (a, b, c, ...): break the row up into clauses"
 REMEMBERED_TEXT = 50_000
 """Characters of a text up to which it is remembered: its terms take some hundred times as many bytes."""
 
@@ -68,6 +70,8 @@ def parse(text: str, file: str = "program", identifier: int = 0) -> Source:
     """
     if len(text) > LONGEST_TEXT:
         raise ProgramError(f"longer than {LONGEST_TEXT} characters", file=file)
+    if len(text) > LONG and (rows := rows_in(text)).work > MOST:
+        raise ProgramError(TOO_LONG_ROWS, file=file, **_line_column(text, rows.place))
     return (_remembered if len(text) <= REMEMBERED_TEXT else _parsed)(text, file, identifier)
 
 

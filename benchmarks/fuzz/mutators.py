@@ -1,0 +1,297 @@
+"""Changes to an input that keep most of its structure, so that they reach further than the parser.
+
+A mutator is a function from bytes, a generator and other inputs of the kind to new bytes: ``as_json(data, rng, pool)``.
+"""
+
+from __future__ import annotations
+
+import io
+import json
+import re
+import struct
+import zipfile
+import zlib
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Sequence
+    from random import Random
+
+    Mutator = Callable[[bytes, Random, Sequence[bytes]], bytes]
+
+LONGEST = 200_000
+"""Bytes of an input that is made here, unless a flood is what is tried."""
+NUMBERS = (
+    "0", "-0.0", "1", "-1", "2", "0.5", "1e308", "-1e308", "1e-320", "1e999", "NaN", "-Infinity", "2147483648", "-2147483649",
+    "18446744073709551616", "9" * 400, "-" + "9" * 5000, "0." + "3" * 400, "1e15", "65536", "1000000007", "0x10", "1_000", ".inf", "1e",
+)  # fmt: skip
+TEXTS = (
+    "", "a", "a" * 300, "b" * 5000, "../../secret", "/etc/passwd", "/dev/zero", "~", "null", "true", "name\n", "nul\0", "\u202egnp.exe",
+    "\x1b[2J\x1b]0;title\x07", "\r\b\b", "\u2028", "\ud800", "é", "-", "--help", "%2e%2e/x", "__class__", "o'bject", 'say "x"', "X", "_", "h1",
+    "box", "corner", "[]", "is", "a/b/c", "a//b", ".", "..", "file:///etc/passwd", "data:;base64,AA==", "!!python/object:os.system", "*a", "&a x",
+    "{{", "]]>", "<x/>", "\\", "#", ":- halt.", "0.5::a.", "h1/roof/apex", "noise", "unknown:u1",
+)  # fmt: skip
+FLOOD = 2_000, 20_000, 100_000
+"""Repetitions of what is repeated."""
+
+
+def as_bytes(data: bytes, rng: Random, pool: Sequence[bytes]) -> bytes:
+    """One to eight changes of bytes, wherever they fall."""
+    out = bytearray(data)
+    for _ in range(1 << rng.randrange(4)):
+        at, size = rng.randrange(len(out) + 1), 1 << rng.randrange(8)
+        change = rng.randrange(7)
+        if change == 0 and at < len(out):
+            out[at] ^= 1 << rng.randrange(8)
+        elif change == 1:
+            out[at:at] = rng.randbytes(size)
+        elif change == 2:
+            del out[at : at + size]
+        elif change == 3:
+            out[at : at + size] = rng.randbytes(len(out[at : at + size]))
+        elif change == 4:
+            number = rng.choice((0, 1, 0x7F, 0xFF, 0x7FFF, 0xFFFF, 0x7FFFFFFF, 0xFFFFFFFF, rng.randrange(1 << 32)))
+            packed = struct.pack(rng.choice("<>") + "I", number)[: rng.choice((1, 2, 4))]
+            out[at : at + len(packed)] = packed
+        elif change == 5:
+            other = rng.choice(pool)
+            start = rng.randrange(len(other) + 1)
+            out[at : at + size] = other[start : start + 4 * size]
+        elif rng.randrange(8) == 0:
+            del out[at:]
+        else:
+            out[at:at] = out[at : at + size] * rng.choice((1, 2, 16))
+    return bytes(out[: 4 * LONGEST])
+
+
+# -- trees -------------------------------------------------------------------------------------------------------------
+
+
+class _Raw(str):
+    """What stands in the text as it is."""
+
+    __slots__ = ()
+
+
+def as_json(data: bytes, rng: Random, pool: Sequence[bytes]) -> bytes:
+    """One to four changes anywhere in the tree; now and then, of the text."""
+    try:
+        tree = json.loads(data)
+    except (ValueError, RecursionError):
+        return as_text(data, rng, pool)
+    if rng.randrange(12) == 0:
+        return as_text(data, rng, pool)
+    for _ in range(1 << rng.randrange(3)):
+        tree = changed(tree, rng)
+    return _dumped(tree).encode("utf-8", "surrogatepass")[: 10 * LONGEST]
+
+
+def changed(tree: Any, rng: Random) -> Any:  # noqa: ANN401 - JSON
+    """The tree, with one of its values another."""
+    holders: list[tuple[Any, Any]] = []
+    todo = [tree]
+    while todo:
+        at = todo.pop()
+        keys = list(at) if isinstance(at, dict) else range(len(at)) if isinstance(at, list) else ()
+        holders += [(at, key) for key in keys]
+        todo += [at[key] for key in keys]
+    if not holders or rng.randrange(60) == 0:
+        return _value(tree, rng)
+    at, key = rng.choice(holders)
+    what = rng.randrange(8)
+    if what == 0:
+        del at[key]
+    elif what == 1:
+        _beside(at, key, rng)
+    elif what == 2:
+        other, elsewhere = rng.choice(holders)
+        at[key] = other[elsewhere] if not _holds(other[elsewhere], at) else None
+    elif what == 3 and isinstance(at, dict):
+        at[rng.choice((*TEXTS, *map(str, at)))] = at.pop(key)
+    else:
+        at[key] = _value(at[key], rng)
+    return tree
+
+
+def _beside(at: Any, key: Any, rng: Random) -> None:  # noqa: ANN401 - JSON
+    """One more element, or key, like one that is there."""
+    if isinstance(at, list):
+        at[key:key] = [at[key]] * rng.choice((1, 1, 1, 3, 50, rng.choice(FLOOD) if rng.randrange(20) == 0 else 2))
+    else:
+        at[rng.choice(TEXTS)] = at[key]
+
+
+def _value(old: Any, rng: Random) -> Any:  # noqa: ANN401 - JSON
+    what = rng.randrange(10)
+    if what < 3:
+        return _Raw(rng.choice(NUMBERS))
+    if what < 5:
+        return rng.choice(TEXTS)
+    if what == 5 and isinstance(old, (int, float)) and not isinstance(old, bool):
+        return rng.choice((-old, old * 1e6, old + 1e-9, old / 3, int(old) if abs(old) < 1e9 else 0))
+    if what == 6:
+        return _Raw(nested(rng))
+    return rng.choice((None, True, False, [], {}, [old], {"a": old}, [0.0] * 3, [[1, 0], [0, 1]], [old, old]))
+
+
+def nested(rng: Random) -> str:
+    """Brackets in brackets, as deep as a parser may like or not."""
+    deep = rng.choice((3, 30, 90, 300, 1200, 6000))
+    opened, closed = rng.choice((("[", "]"), ('{"a":', "}")))
+    return opened * deep + "1" + closed * (deep if rng.randrange(3) else deep - 1)
+
+
+def _holds(tree: Any, inner: Any) -> bool:  # noqa: ANN401 - JSON
+    todo = [tree]
+    while todo:
+        at = todo.pop()
+        if at is inner:
+            return True
+        todo += at.values() if isinstance(at, dict) else at if isinstance(at, list) else []
+    return False
+
+
+def _dumped(tree: Any) -> str:  # noqa: ANN401 - JSON
+    """JSON, in which what is ``_Raw`` stands as it is."""
+    if isinstance(tree, _Raw):
+        return str(tree)
+    if isinstance(tree, dict):
+        return "{" + ", ".join(f"{json.dumps(str(key))}: {_dumped(value)}" for key, value in tree.items()) + "}"
+    if isinstance(tree, list):
+        return "[" + ", ".join(map(_dumped, tree)) + "]"
+    return json.dumps(tree)
+
+
+# -- texts -------------------------------------------------------------------------------------------------------------
+
+_TOKEN = re.compile(r"\d+\.?\d*(?:[eE][-+]?\d+)?|\w+|\s+|[^\w\s]")
+_BRACKETS = "[", "{", "(", "<", "- ", "? ", "'", '"', "[[", "{a: ", "f(", "<a>", "&a [", "\\+", "%", "/*", "|\n"
+
+
+def as_text(data: bytes, rng: Random, pool: Sequence[bytes]) -> bytes:
+    """One to eight changes of tokens or lines; now and then, of bytes."""
+    if rng.randrange(15) == 0:
+        return as_bytes(data, rng, pool)
+    tokens = _TOKEN.findall(data.decode("utf-8", "replace"))
+    for _ in range(1 << rng.randrange(4)):
+        _reworded(tokens, rng, pool)
+    return "".join(tokens).encode("utf-8", "surrogatepass")[: 10 * LONGEST]
+
+
+def _reworded(tokens: list[str], rng: Random, pool: Sequence[bytes]) -> None:
+    at, what = rng.randrange(len(tokens) + 1), rng.randrange(10)
+    if what < 3 and tokens:
+        numbers = [i for i, token in enumerate(tokens) if token[:1].isdigit()]
+        place = rng.choice(numbers) if numbers and rng.randrange(3) else min(at, len(tokens) - 1)
+        tokens[place] = rng.choice(NUMBERS if tokens[place][:1].isdigit() and rng.randrange(4) else TEXTS)
+    elif what == 3:
+        del tokens[at : at + rng.choice((1, 1, 2, 5, 20))]
+    elif what == 4:
+        tokens[at:at] = tokens[at : at + rng.choice((1, 3, 10))] * rng.choice((1, 2, 100))
+    elif what == 5:
+        other = _TOKEN.findall(rng.choice(pool).decode("utf-8", "replace"))
+        start = rng.randrange(len(other) + 1)
+        tokens[at:at] = other[start : start + rng.choice((1, 5, 30))]
+    elif what == 6:
+        tokens[at:at] = [rng.choice(_BRACKETS) * rng.choice((1, 1, 1, 20, rng.choice(FLOOD)))]
+    elif what == 7 and len(tokens) > 1:
+        one, other_place = rng.randrange(len(tokens)), rng.randrange(len(tokens))
+        tokens[one], tokens[other_place] = tokens[other_place], tokens[one]
+    elif what == 8:
+        tokens[at:at] = [rng.choice(("\n", "\t", "\r\n", "\n\n- ", "\ufeff", "\x00", "\n---\n", ": ", ",", "."))]
+    else:
+        tokens[at:at] = [rng.choice((*NUMBERS, *TEXTS))]
+
+
+def as_xml(data: bytes, rng: Random, pool: Sequence[bytes]) -> bytes:
+    """As a text; now and then with entities that expand, or name a file."""
+    if rng.randrange(10):
+        return as_text(data, rng, pool)
+    bomb = "".join(f'<!ENTITY e{i} "{f"&e{i - 1};" * 10 if i else "ha"}">' for i in range(9))
+    entity = rng.choice((bomb, '<!ENTITY e8 SYSTEM "file:///etc/passwd">', '<!ENTITY % e8 SYSTEM "x.dtd"> %e8;'))
+    text = re.sub(rb"^\s*<\?xml[^>]*\?>", b"", data)
+    return f"<!DOCTYPE r [{entity}]>".encode() + text.replace(b">", b">&e8;", rng.choice((1, 2, 3)))
+
+
+# -- files with checksums and tables, which are put right again --------------------------------------------------------
+
+PNG_START = b"\x89PNG\r\n\x1a\n"
+
+
+def as_png(data: bytes, rng: Random, pool: Sequence[bytes]) -> bytes:
+    """One chunk's body changed, gone or doubled, the checksums right; now and then, the bytes."""
+    if not data.startswith(PNG_START) or rng.randrange(5) == 0:
+        return as_bytes(data, rng, pool)
+    chunks, at = [], len(PNG_START)
+    while at + 8 <= len(data):
+        size, name = struct.unpack_from(">I4s", data, at)
+        chunks.append((name, data[at + 8 : at + 8 + size]))
+        at += 12 + size
+    place = rng.randrange(len(chunks)) if chunks else 0
+    for name, body in chunks[place : place + 1]:
+        other = _repacked(body, rng, pool) if name == b"IDAT" and rng.randrange(2) else as_bytes(body, rng, pool)
+        chunks[place : place + 1] = [(name, other)] * rng.choice((1, 1, 1, 1, 0, 2))
+    rows = [
+        struct.pack(">I", len(body)) + name + body + struct.pack(">I", zlib.crc32(name + body)) for name, body in chunks
+    ]
+    return PNG_START + b"".join(rows)
+
+
+def _repacked(body: bytes, rng: Random, pool: Sequence[bytes]) -> bytes:
+    try:
+        return zlib.compress(as_bytes(zlib.decompressobj().decompress(body, LONGEST), rng, pool))
+    except zlib.error:
+        return body
+
+
+def as_archive(data: bytes, rng: Random, pool: Sequence[bytes]) -> bytes:
+    """One member of a ZIP changed, gone, doubled or renamed, the table right; now and then, the bytes."""
+    try:
+        with zipfile.ZipFile(io.BytesIO(data)) as archive:
+            members = [(name, archive.read(name)[:LONGEST]) for name in archive.namelist()]
+    except (
+        zipfile.BadZipFile,
+        OSError,
+        ValueError,
+        NotImplementedError,
+        RuntimeError,
+        zlib.error,
+        EOFError,
+        struct.error,
+    ):
+        return as_bytes(data, rng, pool)
+    if not members or rng.randrange(6) == 0:
+        return as_bytes(data, rng, pool)
+    place = rng.randrange(len(members))
+    name, body = members[place]
+    head = rng.randrange(3)
+    if head == 0:  # the head of an array tells its type and shape as text
+        end = min(len(body), 128)
+        body = as_text(body[10:end], rng, [body[10:end]])
+        body = members[place][1][:8] + struct.pack("<H", len(body) & 0xFFFF) + body + members[place][1][end:]
+    else:
+        body = as_bytes(body, rng, pool)
+    members[place : place + 1] = rng.choice(
+        ([(name, body)], [(name, body)], [], [(name, body)] * 2, [(rng.choice(TEXTS) or "x", body)])
+    )
+    out = io.BytesIO()
+    with zipfile.ZipFile(out, "w", rng.choice((zipfile.ZIP_STORED, zipfile.ZIP_DEFLATED))) as archive:
+        for name, body in members:
+            archive.writestr(zipfile.ZipInfo(name.encode("utf-8", "replace").decode().replace("\0", "")[:200]), body)
+    return out.getvalue()
+
+
+def as_glb(data: bytes, rng: Random, pool: Sequence[bytes]) -> bytes:
+    """The JSON of a GLB changed as a tree, the lengths right; now and then, the bytes."""
+    if data[:4] != b"glTF" or len(data) < 20 or rng.randrange(3) == 0:
+        return as_bytes(data, rng, pool)
+    size = struct.unpack_from("<I", data, 12)[0]
+    tree = as_json(data[20 : 20 + size], rng, [b"{}"])
+    tree += b" " * (-len(tree) % 4)
+    rest = data[20 + size :]
+    return (
+        struct.pack("<4sII", b"glTF", 2, 20 + len(tree) + len(rest))
+        + struct.pack("<I4s", len(tree), b"JSON")
+        + tree
+        + rest
+    )

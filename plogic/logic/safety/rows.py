@@ -1,0 +1,69 @@
+"""How long ProbLog's parser would take over rows of operators, told before it begins.
+
+It takes time by the square of the operators that stand in one row, ``a, b, c`` or ``- - a``, whatever is in brackets
+between them: 38 seconds for 20,000. Arguments of a term and elements of a list are no row.
+"""
+
+import re
+from dataclasses import dataclass
+
+LONG = 200
+"""Operators of a row up to which the square does not count: it is read as quickly as any text."""
+MOST = 50_000_000
+"""Sum of the squares of all longer rows: 7,000 operators in one; 5 to 10 seconds of the parser."""
+_TOKEN = re.compile(
+    r"""'(?:[^'\\]|\\(?:.|\Z)|'')*+(?:'|\Z)|"(?:[^"\\]|\\(?:.|\Z))*+(?:"|\Z)|%[^\n]*+|/\*.*?(?:\*/|\Z)"""
+    r"""|(?P<open>[\w'"]?[(\[{])|(?P<close>[)\]}])|(?P<stop>\.(?=\s|\Z))|(?P<comma>,)"""
+    r"""|(?P<operator>\\\+|[-+*/\\^<>=~:?@#&$;|]{1,3}|\b(?:is|mod|rem|div|xor|rdiv)\b)""",
+    re.DOTALL,
+)
+"""Whatever is not closed reaches to the end, so that nothing is looked at twice."""
+
+
+@dataclass
+class _Row:
+    """Where it begins, whether a comma is one of its operators, and how many it has so far."""
+
+    begin: int
+    of_commas: bool = True
+    operators: int = 0
+
+
+@dataclass
+class Rows:
+    """``work``: the sum of the squares of a text's long rows; ``place``: where the longest begins, 0 where none is."""
+
+    work: int = 0
+    place: int = 0
+    longest: int = LONG
+
+    def add(self, *ended: _Row) -> None:
+        """Count rows to which nothing more belongs."""
+        for row in ended:
+            if row.operators > LONG:
+                self.work += row.operators**2
+            if row.operators > self.longest:
+                self.longest, self.place = row.operators, row.begin
+
+
+def rows_in(text: str) -> Rows:
+    """The rows of a text, read until they are too long."""
+    rows, found = [_Row(0)], Rows()
+    for token in _TOKEN.finditer(text):
+        kind = token.lastgroup
+        if kind == "open":
+            rows.append(_Row(token.start(), token[0] in ("(", "{")))
+        elif kind == "operator" or (kind == "comma" and rows[-1].of_commas):
+            rows[-1].operators += 1
+        elif kind == "comma":
+            found.add(rows.pop())
+            rows.append(_Row(token.end(), of_commas=False))
+        elif kind == "close" and len(rows) > 1:
+            found.add(rows.pop())
+        elif kind == "stop":
+            found.add(*rows)
+            rows = [_Row(token.end())]
+        if found.work > MOST:
+            break
+    found.add(*rows)
+    return found
