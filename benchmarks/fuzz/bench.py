@@ -174,13 +174,15 @@ def kept(name: str) -> list[bytes]:
 
 def keep(tallies: Sequence[Tally], folder: Path) -> list[str]:
     """Write each fault's input, and tell it in a line."""
-    lines = []
-    for fault in (fault for tally in tallies for fault in tally.faults.values()):
-        place = folder / fault.kind / hashlib.sha256(fault.data).hexdigest()[:12]
-        place.parent.mkdir(parents=True, exist_ok=True)
-        place.write_bytes(fault.data)
-        lines.append(f"{fault.kind}: {fault.what} ({fault.where}): {place}")
-    return lines
+    return [keep_fault(fault, folder) for tally in tallies for fault in tally.faults.values()]
+
+
+def keep_fault(fault: Fault, folder: Path) -> str:
+    """Write a fault's input, and tell it in a line."""
+    place = folder / fault.kind / hashlib.sha256(fault.data).hexdigest()[:12]
+    place.parent.mkdir(parents=True, exist_ok=True)
+    place.write_bytes(fault.data)
+    return f"{fault.kind}: {fault.what} ({fault.where}): {place}"
 
 
 def claims(tallies: Sequence[Tally]) -> list[Claim]:

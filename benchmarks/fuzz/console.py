@@ -1,0 +1,241 @@
+"""Hostile input through the commands themselves: each runs in a process of its own, as from a console.
+
+``python -m benchmarks.fuzz.console --count 10000``. An input must end in an exit status of 0 to 3, without a traceback
+or an internal error, in few lines, none of them with a character that a terminal would obey, and within the limits of
+``benchmarks.fuzz.worker``. The command is a copy of this process, which has imported it all, so that it starts at once;
+one in ``FRESH`` is the console script itself.
+"""
+
+from __future__ import annotations
+
+import json
+import os
+import re
+import resource
+import shutil
+import signal
+import sys
+import tempfile
+import warnings
+from dataclasses import dataclass
+from functools import partial
+from itertools import cycle, islice
+from pathlib import Path
+from random import Random
+from typing import TYPE_CHECKING, Any
+
+import click
+import cv2
+
+from benchmarks.fuzz import seeds
+from benchmarks.fuzz.bench import keep_fault
+from benchmarks.fuzz.kinds import ASKED, Kind, kinds
+from benchmarks.fuzz.worker import MEMORY, SLOW, Fault, inputs
+from benchmarks.shared.claims import Claim, report
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Iterator, Sequence
+
+FRESH = 50
+"""Of so many runs one is of the console script."""
+WAITED = 90
+"""Seconds by the clock."""
+MOST_LINES = 120
+"""Lines on standard error: a hundred mistakes, and what was left out."""
+LONGEST_LINE = 1000
+"""Characters of a line on standard error."""
+_OBEYED = re.compile("[\x00-\x08\x0b-\x1f\x7f-\x9f\u061c\u200e\u200f\u2028\u2029\u202a-\u202e\u2066-\u2069]")
+"""Characters that a terminal obeys; it may print tabs, and ends of lines."""
+
+
+@dataclass(frozen=True)
+class Command:
+    """``words`` of a command that reads a ``kind`` of input, ``{}``; ``beside`` makes what else it needs."""
+
+    kind: str
+    words: tuple[str, ...]
+    beside: Callable[[Path], None]
+
+
+def _documents(folder: Path) -> None:
+    """What commands need beside what is hostile: a picture, a Γ, a camera, an interpretation, a KB, a mesh."""
+    for name in ("gamma", "camera", "interpretation", "poses", "moves", "stereo", "truth", "panorama"):
+        (folder / f"{name}.json").write_bytes(seeds.example(f"{name}.json")[0])
+    (folder / "box.obj").write_bytes(seeds.meshes("obj")[0])
+    (folder / "x.png").write_bytes(seeds.pictures("png")[1])
+    shutil.copytree(seeds.ROOT / "kb" / "first", folder / "kb", dirs_exist_ok=True)
+
+
+CAMERAS = "json", "bop", "ros", "opencv", "xml", "colmap", "colmap-bin"
+
+
+def commands() -> list[Command]:
+    """Every command with every kind of input that it reads."""
+    first = ("--kb", "kb")
+    rows: list[tuple[str, tuple[str, ...]]] = [
+        *((f"image-{name}", ("perceive", "{}", *first, "--fov", "60")) for name in ("png", "jpg", "bmp", "gif", "tiff", "webp", "pnm")),
+        ("gamma", ("perceive", "{}", *first)),
+        ("gamma", ("batch", "{}", *first, "--jobs", "1")),
+        ("stream", ("watch", "{}", *first, "--fov", "60", "--limit", "3")),
+        *((f"camera-{name}", ("perceive", "x.png", *first, "--camera", "{}")) for name in CAMERAS),
+        *((f"mesh-{name}", ("kb", "add", "thing", "--mesh", "{}", "--units", "m", *first)) for name in ("obj", "ply", "stl", "off", "gltf", "glb")),
+        ("kb.yaml", ("kb", "check", "{kb}")),
+        ("object.yaml", ("kb", "show", "{kb}")),
+        ("rules.pl", ("kb", "check", "{kb}")),
+        ("poses", ("perceive", "gamma.json", "gamma.json", *first, "--poses", "{}")),
+        ("poses-tum", ("perceive", "gamma.json", "gamma.json", *first, "--poses", "{}")),
+        ("stereo", ("perceive", "gamma.json", "gamma.json", *first, "--stereo", "{}")),
+        ("moves", ("next-view", "interpretation.json", "--moves", "{}", "-n", "1")),
+        ("truth", ("kb", "learn-rates", "{folder}", *first)),
+        ("batch-log", ("batch", "gamma.json", *first, "--jobs", "1", "-o", "{}", "--resume")),
+        ("program", ("query", "{}", "--deadline", "2")),
+        ("program", ("explain", "{}", "a")),
+        ("goal", ("query", "interpretation.json", "{text}", "--deadline", "2")),
+        ("evidence", ("worlds", "interpretation.json", "--given", "{text}", "--deadline", "2")),
+        ("rules", ("query", "interpretation.json", "present(H)", "--rules", "{}", "--deadline", "2")),
+        *((name, ("bop", "dataset", *first, "-o", "results.csv")) for name in ("bop-camera", "bop-truth", "bop-visibility", "bop-targets")),
+        ("bop-models", ("kb", "import", "{folder}", *first)),
+        ("bop-ids", ("bop", "dataset", *first, "-o", "results.csv", "--ids", "{}")),
+        ("urdf", ("kb", "import", "{}", *first)),
+        ("sdf", ("kb", "import", "{}", *first)),
+        ("panorama", ("kb", "assimilate", "{}", *first, "--name", "thing")),
+        ("panorama", ("next-view", "{}", "-n", "1")),
+    ]  # fmt: skip
+    rows += [(f"interpretation-{name}", tuple(words)) for name, words in ASKED.items()]
+    rows += [("interpretation-query", ("settle", "{}")), ("interpretation-query", ("shell", "{}"))]
+    known = kinds()
+    return [Command(kind, words, partial(_beside, known[kind], words)) for kind, words in rows]
+
+
+def _beside(kind: Kind, words: Sequence[str], folder: Path) -> None:
+    _documents(folder)
+    kind.beside(folder)
+    if "dataset" in words and not (folder / "dataset").exists():
+        seeds.bop_dataset(folder)
+
+
+def words_of(command: Command, path: Path, data: bytes) -> list[str]:
+    """The command's words for one input."""
+    above = next((p for p in path.parents if (p / "kb.yaml").exists()), path.parent)
+    text = data.decode("utf-8", "replace").replace("\0", "")[:60_000]
+    said = {"{}": str(path), "{kb}": str(above), "{folder}": str(path.parent), "{text}": text}
+    return [said.get(word, word) for word in command.words]
+
+
+# -- one run -----------------------------------------------------------------------------------------------------------
+
+
+def _run(words: Sequence[str], folder: Path, *, fresh: bool) -> tuple[int, float, int]:
+    """Exit status (negative: a signal), processor seconds and bytes of memory at worst, its children counted."""
+    number = os.fork()
+    if number == 0:
+        _become(words, folder, fresh=fresh)
+    _, status, used = os.wait4(number, 0)
+    return os.waitstatus_to_exitcode(status), used.ru_utime + used.ru_stime, used.ru_maxrss * 1024
+
+
+def _become(words: Sequence[str], folder: Path, *, fresh: bool) -> None:
+    """In the copy: be the command, and end."""
+    code = 70
+    try:
+        os.setsid()
+        signal.alarm(WAITED)
+        resource.setrlimit(resource.RLIMIT_CPU, (int(SLOW) + 1, int(SLOW) + 1))
+        resource.setrlimit(resource.RLIMIT_CORE, (0, 0))
+        os.chdir(folder)
+        for i, name in enumerate(("in", "out", "err")):
+            os.dup2(os.open(f".{name}", os.O_RDWR | os.O_CREAT | (os.O_TRUNC if i else 0), 0o600), i)
+        if fresh:
+            os.execv(shutil.which("plogic") or "", ["plogic", *words])  # noqa: S606 - our own
+        sys.argv = ["plogic", *words]
+        sys.stdin, sys.stdout, sys.stderr = (os.fdopen(i, mode, encoding="utf-8") for i, mode in enumerate("rww"))
+        from plogic.face.commands.started import main
+
+        main()
+        code = 0
+    except SystemExit as end:
+        code = end.code if isinstance(end.code, int) else 0 if end.code is None else 1
+    except BaseException:  # noqa: BLE001 - what a console would show
+        import traceback
+
+        traceback.print_exc()
+    finally:
+        for stream in (sys.stdout, sys.stderr):
+            try:
+                stream.flush()
+            except (OSError, ValueError):
+                code = 71
+        os._exit(code)
+
+
+def fault_of(status: int, seconds: float, memory: int, folder: Path) -> str | None:
+    """What was wrong with a run, if anything."""
+    said, printed = ((folder / name).read_text("utf-8", "replace") for name in (".err", ".out"))
+    lines = said.splitlines() or [""]
+    bad = [line for line in lines if "Traceback" in line or "internal error" in line]
+    seen = _OBEYED.search(said + printed)
+    faults = {
+        f"ended with {status}: {said[-300:]}": status not in (0, 1, 2, 3),
+        f"said {bad[0] if bad else ''}": bool(bad),
+        f"took {seconds:.1f} processor seconds": seconds > SLOW,
+        f"took {memory >> 20} MB": memory > MEMORY,
+        f"printed {seen[0] if seen else ''!r}": seen is not None,
+        f"wrote {len(lines)} lines to standard error": len(lines) > MOST_LINES,
+        f"wrote a line of {max(map(len, lines))} characters to standard error": max(map(len, lines)) > LONGEST_LINE,
+    }
+    return next((what for what, wrong in faults.items() if wrong), None)
+
+
+def runs(count: int, seed: int, folder: Path) -> Iterator[tuple[Command, bytes, str | None, float, int]]:
+    """Each run: the command, the input, what was wrong, processor seconds and memory."""
+    known, every = kinds(), commands()
+    made = {}
+    for i, command in enumerate(islice(cycle(every), count)):
+        kind = known[command.kind]
+        if command not in made:
+            rng = Random(f"{command.kind} {command.words} {seed}").randrange(1 << 30)  # noqa: S311 - no secret
+            made[command] = inputs(kind, rng, 1, kind.seeds(), count // len(every) + 2)
+        data = next(made[command])
+        place = folder / "run"
+        shutil.rmtree(place, ignore_errors=True)
+        place.mkdir()
+        command.beside(place)
+        path = place / kind.file
+        path.parent.mkdir(parents=True, exist_ok=True)
+        path.write_bytes(data)
+        (place / ".in").write_bytes(b"ask present(h1)\nworlds\nwhy present(h1)\n")
+        status, seconds, memory = _run(words_of(command, path, data), place, fresh=i % FRESH == 0)
+        yield command, data, fault_of(status, seconds, memory, place), seconds, memory
+
+
+@click.command()
+@click.option("--count", type=click.IntRange(1), default=10_000, show_default=True, help="Runs of all commands.")
+@click.option("--seed", default=0, show_default=True)
+@click.option("-o", "--out", type=click.Path(path_type=Path), default=Path("out/fuzz"), show_default=True)
+@click.option("--json", "as_json", is_flag=True)
+def main(count: int, seed: int, out: Path, *, as_json: bool) -> None:
+    """Run the commands on hostile input, and say what came of it."""
+    cv2.setNumThreads(0)
+    warnings.simplefilter("ignore")
+    import cli  # noqa: F401 - once for all copies
+
+    rows: dict[str, dict[str, Any]] = {}
+    with tempfile.TemporaryDirectory(prefix="plogic-console-") as folder:
+        for command, data, what, seconds, memory in runs(count, seed, Path(folder)):
+            name = " ".join(command.words[:2] if command.words[0] == "kb" else command.words[:1]) + f" {command.kind}"
+            row = rows.setdefault(name, {"command": name, "runs": 0, "faults": 0, "slowest": 0.0, "memory": 0})
+            row["runs"] += 1
+            row["faults"] += what is not None
+            row["slowest"], row["memory"] = max(row["slowest"], round(seconds, 2)), max(row["memory"], memory >> 20)
+            if what is not None:
+                click.echo(keep_fault(Fault(command.kind, what, data, json.dumps(command.words)[:200]), out), err=True)
+    faults = sum(row["faults"] for row in rows.values())
+    text, met = report(
+        "fuzz console", list(rows.values()), [Claim(f"faults of {count} runs", "<=", 0, faults)], as_json=as_json
+    )
+    click.echo(text)
+    sys.exit(0 if met else 1)
+
+
+if __name__ == "__main__":
+    main()
