@@ -1,5 +1,6 @@
 """Arrays that are checked once and can never be written again."""
 
+import math
 from collections.abc import Iterable
 from functools import reduce
 
@@ -61,3 +62,18 @@ def summed(values: Floats) -> Floats:
 def lengths(vectors: Floats) -> Floats:
     """The Euclidean lengths (...) along such an axis."""
     return np.asarray(np.sqrt(summed(vectors * vectors)))
+
+
+def numbers_of(value: object, count: int, below: float = math.inf) -> Floats | None:
+    """So many numbers of a document, in lists of lists or not, as (count,); None of anything else.
+
+    Each is finite, and nearer to 0 than ``below``: whole numbers of any length are none.
+    """
+    try:
+        found = np.asarray(value)
+    except (ValueError, OverflowError):
+        return None
+    if found.dtype.kind not in "iuf" or found.size != count:
+        return None
+    numbers = found.astype(np.float64).ravel()
+    return numbers if (np.abs(numbers) < below).all() else None

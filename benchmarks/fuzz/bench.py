@@ -49,6 +49,8 @@ class Tally:
 
     kind: Kind
     pool: list[bytes]
+    out: Path
+    say: Callable[[str], None]
     lot: int = 0
     tried: int = 0
     accepted: int = 0
@@ -66,9 +68,16 @@ class Tally:
         )
         self.slowest, self.memory = max(self.slowest, lot.slowest), max(self.memory, lot.memory)
         for fault in lot.faults:
-            self.faults.setdefault(fault.sign, fault)
+            self.fault(fault)
         good = len(self.kind.seeds())
         self.pool[good:] = [*self.pool[good:], *lot.found][-POOL:]
+
+    def fault(self, fault: Fault) -> None:
+        """Take in what must not happen, once."""
+        sign = fault.sign if fault.where else (*fault.sign[:2], hashlib.sha256(fault.data).hexdigest()[:8])
+        if sign not in self.faults:
+            self.faults[sign] = fault
+            self.say(keep_fault(fault, self.out))
 
     def row(self) -> dict[str, Any]:
         """Its row of the table."""
@@ -117,12 +126,22 @@ def _processor(pid: int) -> float:
     return sum(map(int, words[11:15])) / os.sysconf("SC_CLK_TCK")
 
 
-def attack(
-    chosen: Sequence[Kind], count: int, seconds: float, seed: int, say: Callable[[str], None], jobs: int = 2
-) -> list[Tally]:
+@dataclass(frozen=True)
+class Plan:
+    """How many inputs of each kind, for how long at most, by how many processes, and where faults are kept."""
+
+    count: int
+    seconds: float
+    seed: int
+    jobs: int
+    out: Path
+
+
+def attack(chosen: Sequence[Kind], plan: Plan, say: Callable[[str], None]) -> list[Tally]:
     """So many inputs of each kind, or as many as the time is enough for, each kind in turn."""
-    tallies = [Tally(kind, [*kind.seeds(), *kept(kind.name)]) for kind in chosen]
-    until = monotonic() + seconds
+    tallies = [Tally(kind, [*kind.seeds(), *kept(kind.name)], plan.out, say) for kind in chosen]
+    count, seed, jobs = plan.count, plan.seed, plan.jobs
+    until = monotonic() + plan.seconds
     waiting, running = list(tallies), {}
     with tempfile.TemporaryDirectory(prefix="plogic-fuzz-") as folder:
         while (waiting and monotonic() < until) or running:
@@ -160,8 +179,7 @@ def _after(one: _Running, said: bool) -> int | None:  # noqa: FBT001 - what was 
 
 def _broken(one: _Running, what: str) -> int:
     at = one.stop()
-    fault = Fault(one.tally.kind.name, what, one.data(at))
-    one.tally.faults.setdefault((*fault.sign[:2], hashlib.sha256(fault.data).hexdigest()[:8]), fault)
+    one.tally.fault(Fault(one.tally.kind.name, what, one.data(at)))
     one.tally.tried += at + 1 - one.first
     one.tally.lot += at + 1 == one.lot[2]
     return at + 1
@@ -170,11 +188,6 @@ def _broken(one: _Running, what: str) -> int:
 def kept(name: str) -> list[bytes]:
     """What was found before, and mended."""
     return [path.read_bytes() for path in sorted((CORPUS / name).glob("*"))]
-
-
-def keep(tallies: Sequence[Tally], folder: Path) -> list[str]:
-    """Write each fault's input, and tell it in a line."""
-    return [keep_fault(fault, folder) for tally in tallies for fault in tally.faults.values()]
 
 
 def keep_fault(fault: Fault, folder: Path) -> str:
@@ -211,11 +224,8 @@ def main(count: int, seconds: float, names: str, seed: int, jobs: int, out: Path
         raise click.UsageError(f"--kinds: {', '.join(strange)}: known are {', '.join(known)}")
     cv2.setNumThreads(0)  # a copy of a process has none of its threads
     with ending_well():
-        tallies = attack(
-            [known[name] for name in wanted], count, seconds, seed, lambda line: click.echo(line, err=True), jobs
-        )
-    for line in keep(tallies, out):
-        click.echo(line, err=True)
+        plan = Plan(count, seconds, seed, jobs, out)
+        tallies = attack([known[name] for name in wanted], plan, lambda line: click.echo(line, err=True))
     text, met = report("fuzz", [tally.row() for tally in tallies], claims(tallies), as_json=as_json)
     click.echo(text if as_json else f"{text}\n{CAPTION}")
     sys.exit(0 if met else 1)

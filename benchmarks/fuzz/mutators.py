@@ -127,8 +127,8 @@ def _value(old: Any, rng: Random) -> Any:  # noqa: ANN401 - JSON
         return _Raw(rng.choice(NUMBERS))
     if what < 5:
         return rng.choice(TEXTS)
-    if what == 5 and isinstance(old, (int, float)) and not isinstance(old, bool):
-        return rng.choice((-old, old * 1e6, old + 1e-9, old / 3, int(old) if abs(old) < 1e9 else 0))
+    if what == 5 and type(old) in (int, float) and abs(old) < 1e12:
+        return rng.choice((-old, old * 1e6, old + 1e-9, old / 3, int(old)))
     if what == 6:
         return _Raw(nested(rng))
     return rng.choice((None, True, False, [], {}, [old], {"a": old}, [0.0] * 3, [[1, 0], [0, 1]], [old, old]))

@@ -18,8 +18,7 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
-import numpy as np
-
+from geometry.arrays import Floats, numbers_of
 from geometry.camera import Camera, camera_from_dict, camera_mistakes
 from geometry.errors import CameraError, Keys, Mistake, WhichCameraError, told
 from geometry.files.calibration_files import (
@@ -35,6 +34,7 @@ from geometry.files.colmap_files import Stated, cameras_file, colmap_binary, col
 from geometry.files.documents import Document, parsed_json, read_json
 from geometry.files.plain_files import content_of, fault_of, text_of
 from geometry.frames import from_rotation_translation, inverse
+from geometry.json_checks import shown
 
 MAX_BYTES = 64 * 2**20  # a BOP scene of 10^5 images stays below
 HOLDS = "it should hold a camera"
@@ -190,8 +190,9 @@ def from_bop_scene(entry: object, size: Size) -> dict[str, Any]:
     return camera
 
 
-def _numbers(value: object, count: int, where: str) -> np.ndarray[Any, np.dtype[np.float64]]:
+def _numbers(value: object, count: int, where: str) -> Floats:
     numbers = flat(value, where)
-    if len(numbers) != count or not all(isinstance(number, (int, float)) for number in numbers):
-        raise CameraError(f"{where}: must hold {count} numbers, not {value!r}")
-    return np.array(numbers, dtype=np.float64)
+    found = numbers_of(numbers, count)
+    if found is None:
+        raise CameraError(f"{where}: must hold {count} numbers, not {shown(numbers)}")
+    return found

@@ -45,7 +45,11 @@ def meshes_of(path: Path) -> Placed:
         for placed, name in [scene.graph[node]]
     )
     meshes = [(scene.geometry[name], np.asarray(placed, dtype=np.float64)) for _, _, name, placed in nodes]
-    return [(mesh, placed) for mesh, placed in meshes if isinstance(mesh, trimesh.Trimesh)]
+    found = [(mesh, placed) for mesh, placed in meshes if isinstance(mesh, trimesh.Trimesh)]
+    for mesh, _ in found:
+        if len(mesh.faces) and not 0 <= mesh.faces.min() <= mesh.faces.max() < len(mesh.vertices):
+            raise ValueError("a triangle has a corner that is none of its vertices")
+    return found
 
 
 def scene_of(path: Path) -> Any:  # noqa: ANN401 - trimesh's

@@ -10,7 +10,7 @@ from typing import Any
 
 import numpy as np
 
-from geometry.arrays import Floats
+from geometry.arrays import Floats, numbers_of
 from geometry.files.documents import read_json
 from geometry.files.plain_files import is_there, must_be_plain
 from geometry.frames import quat_xyzw_from_rotation
@@ -147,12 +147,8 @@ def _axis(row: object, scale: float, where: str) -> dict[str, Any]:
 
 
 def _numbers(value: object, count: int, where: str) -> np.ndarray[Any, np.dtype[np.float64]]:
-    try:
-        raw = np.array(value)
-    except ValueError:
-        raw = np.zeros(0)
-    found = raw.ravel().astype(float) if raw.dtype.kind in "iuf" else np.zeros(0)
-    if found.shape != (count,) or not (np.abs(found) < LARGEST).all():
+    found = numbers_of(value, count, LARGEST)
+    if found is None:
         raise IntakeError(f"{where}: must be {count} finite numbers below {LARGEST:g}, not {value!r:.100}")
     return found
 

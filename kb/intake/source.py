@@ -182,7 +182,7 @@ def _piece(mesh: Any, placed: NDArray[np.float64], pictures: dict[str, Picture])
     if picture is not None and uv is not None and len(uv) == number and np.isfinite(uv).all():
         return Piece(vertices[used], triangles, np.array(uv, dtype=np.float64)[used], picture, colour=_colour(material))
     seen = mesh.visual.vertex_colors if mesh.visual.kind == "vertex" else None
-    colours = None if seen is None else np.array(seen, dtype=np.uint8)[used, :3]
+    colours = None if seen is None or len(seen) != number else np.array(seen, dtype=np.uint8)[used, :3]
     return Piece(vertices[used], triangles, colours=colours, colour=_colour(material))
 
 

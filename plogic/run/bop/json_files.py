@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from geometry import digits
+from geometry.arrays import numbers_of
 from geometry.errors import Keys, Mistake
 from geometry.files.documents import Document
 from geometry.files.documents import read_json as document_of
@@ -128,13 +129,10 @@ def whole(value: object, place: Place) -> int:
 
 def numbers(value: object, count: int, place: Place) -> NDArray[np.float64]:
     """``count`` finite numbers, nested or not, as (count,)."""
-    try:
-        array = np.asarray(value)
-    except ValueError:
-        array = np.zeros(0)
-    if array.dtype.kind not in "iuf" or array.size != count or not (np.abs(array.astype(np.float64)) < HIGHEST).all():
+    found = numbers_of(value, count, HIGHEST)
+    if found is None:
         raise InputError(f"{place}: must hold {count} finite numbers below {HIGHEST:g}, not {shown(value)}")
-    return array.astype(np.float64).ravel()
+    return found
 
 
 def fraction(value: object, place: Place) -> float:
