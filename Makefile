@@ -2,6 +2,8 @@
 # PYTHON=... takes a certain one, VENV=... puts the environment elsewhere.
 VENV ?= .venv
 COMPAT ?= .compat
+COUNT ?= 20000
+RUNS ?= 10000
 PYTHONS = python3.13 python3.12 python3.11 python3 python3.14
 # A name may be there and not run (pyenv's are), or be of another version, or lack what makes environments (Debian's python3-venv).
 FITS = import ensurepip, sys, venv; sys.exit(sys.implementation.name != "cpython" or not (3, 11) <= sys.version_info[:2] <= (3, 14))
@@ -19,7 +21,7 @@ QUICK = tests/test_*.py tests/base tests/measures tests/inference tests/facts te
 # Tests start many Pythons: what is imported is compiled once, though the environment may say otherwise.
 test quick compat-%: export PYTHONDONTWRITEBYTECODE =
 
-.PHONY: demo test quick lint bench compat compat-lowest compat-newest clean ready
+.PHONY: demo test quick lint bench fuzz compat compat-lowest compat-newest clean ready
 
 demo: ready  ## the two towers: from a simulated camera's pixels to ranked worlds
 	"$(VENV)/bin/plogic" demo -o out/demo
@@ -37,6 +39,10 @@ lint: ready  ## linter and type checker
 
 bench: ready  ## the towers' benchmark: a table and its claims
 	"$(VENV)/bin/plogic" bench towers
+
+fuzz: ready  ## hostile inputs of every kind: COUNT of each through the readers, and RUNS of the commands
+	"$(VENV)/bin/python" -m benchmarks.fuzz.bench --count $(COUNT)
+	PATH="$(abspath $(VENV))/bin:$$PATH" "$(VENV)/bin/python" -m benchmarks.fuzz.console --count $(RUNS)
 
 compat: compat-lowest compat-newest  ## the quick tests with the lowest, and with the newest versions that pyproject.toml admits
 
