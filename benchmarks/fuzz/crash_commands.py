@@ -76,7 +76,7 @@ def commands() -> list[Command]:
         _command("kb import models --kb kb", "kb", Kind.KB, "types"),
         _command("kb import models --kb fresh", "fresh", Kind.KB, ""),
         _command("kb learn --jobs 1 --kb kb", "kb", Kind.KB, "learned"),
-        _command("kb learn box --photo photo.png --points points.csv --jobs 1 --kb kb", "kb", Kind.KB, "learned"),
+        _command("kb learn box --photo photo.png --points points.csv --jobs 1 --kb kb", "kb", Kind.KB, "photo"),
         _command("kb learn-rates story --kb book", "book", Kind.KB, "rates"),
         _command("kb assimilate panorama.json u1 --name draft --kb bare", "bare", Kind.KB, "unknown"),
         _command("kb show towers t1 --html page.html", "page.html", Kind.FILES, ""),
@@ -123,12 +123,20 @@ def _types(folder: Path, well: Well) -> None:
 
 
 def _learned(folder: Path, well: Well) -> None:
-    """One of the types is learned; what the others will be is remembered."""
+    """One of the types is learned; what the other will be is remembered."""
+    _remembered(folder, well, "kb learn --jobs 1 --kb tried")
+
+
+def _photo(folder: Path, well: Well) -> None:
+    """So with a type from its photo."""
+    _remembered(folder, well, "kb learn box --photo photo.png --points points.csv --jobs 1 --kb tried")
+
+
+def _remembered(folder: Path, well: Well, line: str) -> None:
     _types(folder, well)
     well(folder, "kb learn one --jobs 1 --kb kb")
     shutil.copytree(folder / "kb", folder / "tried")
-    well(folder, "kb learn --jobs 1 --kb tried")
-    well(folder, "kb learn box --photo photo.png --points points.csv --jobs 1 --kb tried")
+    well(folder, line)
     shutil.rmtree(folder / "tried")
 
 
@@ -157,6 +165,7 @@ def _unknown(folder: Path, well: Well) -> None:
 NEEDS: dict[str, Callable[[Path, Well], None]] = {
     "types": _types,
     "learned": _learned,
+    "photo": _photo,
     "asked": _asked,
     "scene": _scene,
     "rates": _rates,

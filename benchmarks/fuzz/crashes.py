@@ -257,7 +257,7 @@ class Trial:
         shutil.copytree(self._before, self._folder)
         if self._command.kind is Kind.FILES:
             for name in self._command.outputs:
-                if "." in name:
+                if "." in name and name in self._command.arguments:
                     (self._folder / name).write_bytes(b"old")
         return self._ran(last, self._command.arguments)
 
