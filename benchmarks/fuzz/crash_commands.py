@@ -224,11 +224,10 @@ def _photograph(folder: Path) -> None:
     from sensing.simulated.body import Body, read_mesh
     from sensing.simulated.camera import render
 
-    camera = replace(
-        centred_camera((640, 480), 900.0), world_from_camera=inverse(look_at((0.45, 0.62, 0.42), SIDES / 2))
-    )
+    camera_from_world = look_at((0.45, 0.62, 0.42), SIDES / 2)
+    camera = replace(centred_camera((640, 480), 900.0), world_from_camera=inverse(camera_from_world))
     body = Body("box", read_mesh(folder / "painted.obj"), np.eye(4))
     cv2.imwrite(str(folder / "photo.png"), render([body], camera).image)
-    pixels = camera.project(transform_points(camera.camera_from_world, CORNERS[1:]))
+    pixels = camera.project(transform_points(camera_from_world, CORNERS[1:]))
     rows = [",".join(f"{value:.6g}" for value in (*uv, *at)) for uv, at in zip(pixels, CORNERS[1:], strict=True)]
     (folder / "points.csv").write_text("u,v,x,y,z\n" + "\n".join(rows) + "\n")

@@ -57,9 +57,8 @@ class Hook:
     def install(self) -> None:
         """From now on, for good."""
         sys.addaudithook(self._audited)
-        io.open = builtins.open = self._opened  # type: ignore[assignment]
-        os.fsync = lambda file: (self.step("fsync", file), self._sync(file))[1]
-        os.ftruncate = lambda file, length: (self.step("truncate", file), self._cut(file, length))[1]
+        io.open = builtins.open = self._opened
+        os.fsync, os.ftruncate = self._synced, self._shortened
         os.write = self._written  # type: ignore[assignment]
 
     def step(self, what: str, place: object, half: Callable[[], object] | None = None) -> None:
@@ -93,6 +92,14 @@ class Hook:
             place = f"{self._place(folder)}/{os.fsdecode(place)}"
         self.step(event, place)
 
+    def _synced(self, fd: Any) -> None:  # noqa: ANN401 - as os.fsync
+        self.step("fsync", fd)
+        self._sync(fd)
+
+    def _shortened(self, fd: int, length: int) -> None:
+        self.step("truncate", fd)
+        self._cut(fd, length)
+
     def _written(self, file: int, data: bytes) -> int:
         self.step("write", file, lambda: self._write(file, bytes(data)[: len(data) // 2]))
         return self._write(file, data)
@@ -106,7 +113,7 @@ class Hook:
         if buffering == 0:
             return raw
         held = io.BufferedRandom(raw) if "+" in mode else io.BufferedWriter(raw)
-        return held if "b" in mode else io.TextIOWrapper(held, *more, **named)  # type: ignore[type-var]
+        return held if "b" in mode else io.TextIOWrapper(held, *more, **named)
 
 
 class _Raw(io.FileIO):
@@ -159,7 +166,12 @@ def run(command: Sequence[str], folder: Path, stdin: str | None = None, hook: Ho
 def asked(question: Callable[[], object]) -> Any:  # noqa: ANN401 - whatever JSON holds
     """The answer of a copy of this process, which alone remembers what it read."""
     with tempfile.TemporaryFile() as answer:
-        if copied(lambda: answer.write(json.dumps(question()).encode()) and answer.flush()):
+
+        def answered() -> None:
+            answer.write(json.dumps(question()).encode())
+            answer.flush()
+
+        if copied(answered):
             raise RuntimeError("what was written cannot be looked at")
         answer.seek(0)
         return json.loads(answer.read())
@@ -293,7 +305,7 @@ FEWER = """\
 import os
 import kb.clouds.words as words
 import kb.learning.observations as views
-views.PIXELS, views.DIRECTIONS, views.PICTURES = (160.0, 90.0), 26, 3
+views.PIXELS, views.DIRECTIONS, views.PICTURES = (120.0,), 12, 2
 words.MOST = 256
 """
 """Read by Python as it starts (``sitecustomize``): types are learned from few and small views."""
