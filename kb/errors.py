@@ -7,6 +7,7 @@
         ├── TreeError           a tree that breaks A1-A3 or D1-D3; names the node
         ├── SurfaceError        a mesh without facets or extent, or no mesh at all
         ├── CloudError          a learned cloud, or a vocabulary of visual words, that cannot be read
+        ├── BusyError           a knowledge base that another process is changing
         ├── IntakeError         a mesh, robot or model file that no type can be made of; names the file
         └── KBErrors            a folder's mistakes, all of them; str() gives a line each, of the first 100
 """
@@ -38,6 +39,10 @@ class CloudError(KBError):
 
 class IntakeError(KBError):
     """A mesh, robot or model file that no type can be made of; the message names the file."""
+
+
+class BusyError(KBError):
+    """A knowledge base that another process is changing; the message says which."""
 
 
 @dataclass(frozen=True, order=True)

@@ -33,6 +33,8 @@ _SHAPES: dict[str, tuple[str, tuple[int, ...], str]] = {
 }  # fmt: skip
 _OPTIONAL: dict[str, tuple[str, tuple[int, ...], str]] = {"part": ("F", (), "i"), "compound": ("F", (), "i")}
 """What files of types without parts, or without compounds, do not have."""
+WORDS = 32
+"""Bytes of ``kb.clouds.words.Words.digest``; files that were written before there was one have none."""
 FORMAT = 2
 """Of files with compounds, which say so; those without, as all were once, say nothing."""
 _KINDS = {"f": np.float64, "i": np.int64, "u": np.uint8}
@@ -55,7 +57,8 @@ class LearnedCloud:
             the side, and of whose descriptor bytes 128 to 132 are its looks, and 133 how much the last of them varied.
         part: (F,) which object of its type's tree the feature belongs to (``kb.clouds.lobes.object_nodes``); 0, the
         whole, where there are no parts. compound: (F,) which compound feature it is a part of (A1;
-        ``kb.learning.compounds``), counted from 1; 0 of those that are in none.
+        ``kb.learning.compounds``), counted from 1; 0 of those that are in none. words: (32,) the digest of the words
+        that ``word`` and ``lobe_word`` are of; (0,) where nobody knows.
     """
 
     at: Floats
@@ -74,6 +77,7 @@ class LearnedCloud:
     size: Floats
     part: Ints = field(default_factory=lambda: np.zeros(0, np.int64))
     compound: Ints = field(default_factory=lambda: np.zeros(0, np.int64))
+    words: Bytes = field(default_factory=lambda: np.zeros(0, np.uint8))
 
     def __post_init__(self) -> None:
         counts = {"F": len(self.at), "L": len(self.feature)}
@@ -135,6 +139,8 @@ def cloud_bytes(cloud: LearnedCloud) -> bytes:
     arrays = {
         name: getattr(cloud, name) for name in (*_SHAPES, *(name for name in _OPTIONAL if getattr(cloud, name).any()))
     }
+    if cloud.words.size:
+        arrays["words"] = cloud.words
     if cloud.compounds:
         arrays["format"] = np.array(FORMAT)
     with zipfile.ZipFile(memory, "w", zipfile.ZIP_DEFLATED) as archive:
@@ -154,12 +160,15 @@ def read_cloud(content: bytes) -> LearnedCloud:
         CloudError: It is not a learned cloud, or a number in it cannot be.
     """
     try:
-        arrays = read_arrays(content, _SHAPES, MAX_BYTES, (*_OPTIONAL, "format"))
+        arrays = read_arrays(content, _SHAPES, MAX_BYTES, (*_OPTIONAL, "format", "words"))
     except CloudError as error:
         raise CloudError(f"is no learned cloud: {error}") from None
     _check_format(arrays.pop("format", np.array(1)))
+    words = arrays.pop("words", np.zeros(0, np.uint8))
+    if words.dtype != np.uint8 or words.shape not in {(0,), (WORDS,)}:
+        raise CloudError(f"words: has shape {words.shape} of {words.dtype}, not ({WORDS},) of uint8")
     _check(arrays)
-    return LearnedCloud(**arrays)
+    return LearnedCloud(**arrays, words=words)
 
 
 def _check_format(stated: NDArray[Any]) -> None:

@@ -5,6 +5,7 @@ Rare words are distinctive (§5.1).
 * ``Words("sift", centroids)``: W words, ``sift_w0000``, ...; a descriptor's word is the nearest centroid
 """
 
+import hashlib
 import io
 import re
 from collections.abc import Mapping
@@ -58,6 +59,12 @@ class Words:
     def names(self) -> tuple[str, ...]:
         """The words as appearance types."""
         return tuple(f"{self.detector}_w{i:04d}" for i in range(len(self.centroids)))
+
+    @cached_property
+    def digest(self) -> NDArray[np.uint8]:
+        """(32,) SHA-256 of the centroids: a cloud says by it which words it was learned with."""
+        content = repr(self.centroids.shape).encode() + np.ascontiguousarray(self.centroids).tobytes()
+        return np.frombuffer(hashlib.sha256(content).digest(), np.uint8)
 
     @cached_property
     def sided(self) -> NDArray[np.bool_]:

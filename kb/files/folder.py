@@ -23,8 +23,9 @@ from ruamel.yaml.error import MarkedYAMLError, YAMLError
 from ruamel.yaml.nodes import MappingNode, Node, ScalarNode, SequenceNode
 from ruamel.yaml.resolver import VersionedResolver
 
-from geometry.files.plain_files import fault_of
+from geometry.files.plain_files import fault_of, is_there
 from kb.errors import KBError, Mistake
+from kb.files.changes import CHANGE, is_changing
 
 Keys = tuple[str | int, ...]
 """Keys and indices from the root of a document."""
@@ -263,11 +264,24 @@ MAX_MESH_BYTES = 200_000_000
 """Largest mesh file."""
 
 
+Stamp = tuple[int, int, int, int] | None
+"""What changes when a file does: device, number, size and time; None where there is none."""
+
+
+def _stamp(path: Path) -> Stamp:
+    try:
+        found = path.stat()
+    except (OSError, ValueError):
+        return None
+    return found.st_dev, found.st_ino, found.st_size, found.st_mtime_ns
+
+
 @dataclass
 class Folder:
     """The ``contents`` read so far, by relative path, and the ``mistakes`` found so far; ``kept``: for surfaces.
 
-    ``rules``: what is read instead of ``rules.pl``; empty: as though there were none.
+    ``rules``: what is read instead of ``rules.pl``; empty: as though there were none. ``stamps``: of all that was
+    looked at, so that one can say whether it was the same all the time.
     """
 
     root: Path
@@ -275,13 +289,42 @@ class Folder:
     rules: bytes | None = None
     contents: dict[str, bytes] = field(default_factory=dict)
     mistakes: list[Mistake] = field(default_factory=list)
+    stamps: dict[Path, Stamp] = field(default_factory=dict)
+
+    def __post_init__(self) -> None:
+        self._changing = is_changing(self.root)
 
     def name(self, path: Path) -> str:
         """The path relative to the folder, without ``..``."""
         return Path(os.path.relpath(path, self.root)).as_posix()
 
+    def at(self, path: Path) -> Path:
+        """Where a file or folder lies: what a change left that is in force and not moved yet comes first."""
+        moved = self.root / CHANGE / self.name(path)
+        found = moved if self._changing and is_there(moved) else path
+        self.stamps.setdefault(found, _stamp(found))
+        return found
+
+    def is_split(self, folder: Path) -> bool:
+        """Whether some of the files of a folder may be those of a change that are not moved yet."""
+        return self._changing and is_there(self.root / CHANGE / self.name(folder))
+
+    def is_as_it_was(self) -> bool:
+        """Whether all that was looked at is still the same, so that it was read as it was at one moment."""
+        same = all(_stamp(path) == stamp for path, stamp in self.stamps.items())
+        return same and is_changing(self.root) == self._changing
+
+    def listed(self, folder: Path) -> list[Path]:
+        """What is in a folder, by the paths that it has there, in order."""
+        changed = self.root / CHANGE / self.name(folder)
+        self.stamps.setdefault(folder, _stamp(folder))
+        inside = list(folder.iterdir()) if folder.is_dir() else []
+        inside += [folder / path.name for path in changed.iterdir()] if self.is_split(folder) else []
+        return sorted(set(inside))
+
     def fault(self, path: Path, limit: int) -> str | None:
         """What forbids to read a file, if anything."""
+        path = self.at(path)
         if not Path(os.path.realpath(path)).is_relative_to(os.path.realpath(self.root)):
             return "leads out of the knowledge base's folder"
         return fault_of(path, limit)
@@ -291,7 +334,7 @@ class Folder:
         fault = self.fault(path, limit)
         if fault is None:
             try:
-                return self.contents.setdefault(self.name(path), path.read_bytes())
+                return self.contents.setdefault(self.name(path), self.at(path).read_bytes())
             except OSError as error:
                 fault = f"cannot be read: {error.strerror}"
         self.mistakes.append(Mistake(self.name(path), 0, 0, "", f"the file {fault}"))

@@ -28,6 +28,7 @@ from kb.clouds.words import MAX_BYTES as MAX_WORDS
 from kb.clouds.words import Words, dominant, read_words
 from kb.errors import CloudError, KBErrors, Mistake, SurfaceError
 from kb.files.branches import branch_of, checked, cross_mistakes, misplaced, nodes, outline, path_to, without
+from kb.files.changes import settle
 from kb.files.folder import MAX_MESH_BYTES, Document, Folder, Keys
 from kb.files.kept_surfaces import kept_surface
 from kb.files.schema import CountsModel, KBModel, ObjectModel
@@ -86,8 +87,10 @@ def check_learned(place: Folder, document: Document, cloud: LearnedCloud | None,
     wrong = []
     if words is None:
         wrong.append("the knowledge base has no words (kb.yaml: words): learn the type again")
-    elif words.detector != cloud.detector or len(words.centroids) <= max(
-        cloud.word.max(initial=-1), cloud.lobe_word.max(initial=-1)
+    elif (
+        words.detector != cloud.detector
+        or (cloud.words.size and not np.array_equal(cloud.words, words.digest))
+        or len(words.centroids) <= max(cloud.word.max(initial=-1), cloud.lobe_word.max(initial=-1))
     ):
         wrong.append("was learned with other words than kb.yaml names: learn the type again")
     objects = sum(1 for _, kind, _ in nodes(document.data) if kind == "object")
@@ -158,6 +161,9 @@ def learned_lobes(cloud: LearnedCloud, words: Words) -> LobeTable:
 
 MAX_RULES_BYTES = 1_000_000
 """Largest ``rules.pl``."""
+HALF_MOVED = (
+    "a change was cut short, and what the mesh names is not all moved: whoever may write here runs plogic kb check"
+)
 HIT, PRIOR = 0.8, 0.5
 """What holds for types that ``kb.yaml`` says nothing about."""
 
@@ -174,8 +180,14 @@ class _Object:
     learned: LearnedCloud | None
 
 
+TRIES = 20
+"""Of a knowledge base that changes while it is read."""
+
+
 def read_kb(folder: Path | str, kept: Path | None = None, rules: str | None = None) -> KnowledgeBase:
     """The knowledge base of a folder: ``kb.yaml``, ``objects/NAME/object.yaml`` with its mesh, ``rules.pl``.
+
+    It is read as it is at one moment, whoever changes it meanwhile (``kb.files.changes``).
 
     ``kept``: where surfaces that were read are kept from run to run. ``rules``: what is read instead of ``rules.pl``;
     empty: as though there were none.
@@ -183,8 +195,24 @@ def read_kb(folder: Path | str, kept: Path | None = None, rules: str | None = No
     Raises:
         KBErrors: with every mistake of every file.
     """
-    place = Folder(Path(folder), kept, None if rules is None else rules.encode())
-    _check_folder(place.root)
+    root, found = Path(folder), list[KnowledgeBase | KBErrors]()
+    for _ in range(TRIES):
+        settle(root)
+        place = Folder(root, kept, None if rules is None else rules.encode())
+        try:
+            found.append(_read_kb(place))
+        except KBErrors as error:
+            found.append(error)
+        if place.is_as_it_was():
+            break
+    if isinstance(found[-1], KBErrors):
+        raise found[-1]
+    return found[-1]
+
+
+def _read_kb(place: Folder) -> KnowledgeBase:
+    """The knowledge base as it is now. Raises KBErrors."""
+    _check_folder(place)
     document = place.document(place.root / "kb.yaml")
     if document is None:
         raise KBErrors(place.mistakes)
@@ -211,25 +239,21 @@ def read_kb(folder: Path | str, kept: Path | None = None, rules: str | None = No
     return _knowledge_base(place, model, types, rules, words)
 
 
-def _check_folder(root: Path) -> None:
-    if not is_there(root / "kb.yaml"):
+def _check_folder(place: Folder) -> None:
+    root = place.root
+    if not is_there(place.at(root / "kb.yaml")):
         what = {IS_FOLDER: "the folder holds no kb.yaml", IS_MISSING: "there is no such folder"}
         fault = fault_of(root) or "is a file, not a folder"
-        raise KBErrors(
-            [
-                Mistake(
-                    str(root), 0, 0, "", f"{what.get(fault, fault)}; a knowledge base is a folder with a kb.yaml in it"
-                )
-            ]
-        )
+        why = f"{what.get(fault, fault)}; a knowledge base is a folder with a kb.yaml in it"
+        raise KBErrors([Mistake(str(root), 0, 0, "", why)])
 
 
 def _object_files(place: Folder) -> list[Path]:
     """One file per folder of ``objects``, hidden ones excepted."""
     folder = place.root / "objects"
-    if not is_there(folder):
+    if not is_there(place.at(folder)):
         return []
-    inside = sorted(folder.iterdir()) if fault_of(folder) == IS_FOLDER else [folder]
+    inside = place.listed(folder) if fault_of(place.at(folder)) == IS_FOLDER else [folder]
     lost = [
         path for path in inside if path == folder or (path.is_symlink() and fault_of(path) not in (IS_FOLDER, None))
     ]
@@ -237,7 +261,8 @@ def _object_files(place: Folder) -> list[Path]:
         Mistake(place.name(path), 0, 0, "", f"must be a folder, but it {fault_of(path) or 'is a file'}")
         for path in lost
     ]
-    return [path / "object.yaml" for path in inside if fault_of(path) == IS_FOLDER and not path.name.startswith(".")]
+    there = [path for path in inside if fault_of(place.at(path)) == IS_FOLDER]
+    return [path / "object.yaml" for path in there if not path.name.startswith(".")]
 
 
 def _object(place: Folder, path: Path) -> _Object | None:
@@ -273,7 +298,7 @@ def _surface(place: Folder, document: Document, folder: Path, scale: float) -> t
     if path is not None and content is not None:
         _sides(place, path, content)
         try:
-            return path, kept_surface(path, content, scale, place.kept)
+            return place.at(path), kept_surface(place.at(path), content, scale, place.kept)
         except SurfaceError as error:
             place.mistakes.append(document.mistake(("mesh", "file"), str(error)))
     return None, None
@@ -293,7 +318,11 @@ def _sides(place: Folder, path: Path, content: bytes) -> None:
 
     One that leads out is a mistake; one that is missing is not, as the mesh may do without.
     """
-    for side in side_files(path, content):
+    sides = side_files(path, content)
+    if sides and place.is_split(path.parent):
+        place.mistakes.append(Mistake(place.name(path), 0, 0, "", HALF_MOVED))
+        return
+    for side in sides:
         fault = side.fault or place.fault(side.place, LIMITS[side.kind])
         if fault is None:
             place.content(side.place, LIMITS[side.kind])
@@ -305,7 +334,7 @@ def _rules(place: Folder) -> str:
     path, content = place.root / "rules.pl", place.rules
     if content:
         place.contents["rules.pl"] = content
-    elif content is None and is_there(path):
+    elif content is None and is_there(place.at(path)):
         content = place.content(path, MAX_RULES_BYTES)
     try:
         return (content or b"").decode()

@@ -1,18 +1,13 @@
 """Files that are written whole or not at all."""
 
 import os
-import re
-import shutil
-import tempfile
 from collections.abc import Iterable, Iterator, Mapping
-from contextlib import contextmanager
+from contextlib import ExitStack, contextmanager
 from pathlib import Path
 
+from geometry.files.begun import file_beside, folder_beside, synced
 from geometry.files.plain_files import IS_FOLDER, IS_MISSING, TOO_LONG, fault_of
 from sensing.errors import SensingError
-
-_TEMPORARY = re.compile(r"\..+\.[a-z0-9_]{8}")
-"""``.NAME.xxxxxxxx``, as ``tempfile`` makes it."""
 
 
 def write_whole(path: Path, data: bytes) -> None:
@@ -27,27 +22,29 @@ def write_whole(path: Path, data: bytes) -> None:
 def write_files(files: Mapping[Path, bytes]) -> None:
     """As ``write_whole``, for many: every file is written beside its place before any is renamed into it.
 
+    A process that is killed between two renames has written some of them; each is whole.
+
     Raises:
         SensingError: One of the places cannot be written; then none is.
     """
     check_places(files)
-    temporaries: dict[Path, Path] = {}
-    try:
+    with ExitStack() as stack:
+        begun = {}
         for path, data in files.items():
-            temporaries[path] = _beside(path, data)
-        for path, temporary in temporaries.items():
-            _rename(temporary, path)
-    finally:
-        for temporary in temporaries.values():
-            temporary.unlink(missing_ok=True)
+            with _told(path):
+                begun[path] = stack.enter_context(file_beside(path, data))
+        for path, temporary in begun.items():
+            with _told(path):
+                temporary.replace(path)
 
 
-def left_beside(folder: Path) -> list[Path]:
-    """What writers of this module were writing in a folder: still, or when they were killed."""
+@contextmanager
+def _told(path: Path) -> Iterator[None]:
+    """Say of an OSError which place cannot be written."""
     try:
-        return sorted(path for path in folder.iterdir() if _TEMPORARY.fullmatch(path.name))
-    except OSError:
-        return []
+        yield
+    except OSError as error:
+        raise SensingError(f"{path}: cannot be written: {error.strerror}") from None
 
 
 def check_places(places: Iterable[Path]) -> None:
@@ -75,29 +72,6 @@ def check_new_folder(folder: Path) -> None:
             raise SensingError(f"{folder}: cannot be written: {above} is no folder")
 
 
-def _beside(path: Path, data: bytes) -> Path:
-    """A new file beside ``path``; on failure, none."""
-    try:
-        handle, name = tempfile.mkstemp(dir=path.parent, prefix=f".{path.name}.")
-    except OSError as error:
-        raise SensingError(f"{path}: cannot be written: {error.strerror}") from None
-    try:
-        with os.fdopen(handle, "wb") as file:
-            file.write(data)
-        Path(name).chmod(0o644)
-    except OSError as error:
-        Path(name).unlink(missing_ok=True)
-        raise SensingError(f"{path}: cannot be written: {error.strerror}") from None
-    return Path(name)
-
-
-def _rename(temporary: Path, path: Path) -> None:
-    try:
-        temporary.replace(path)
-    except OSError as error:
-        raise SensingError(f"{path}: cannot be written: {error.strerror}") from None
-
-
 @contextmanager
 def new_folder(folder: Path) -> Iterator[Path]:
     """A folder to write into that becomes ``folder`` at the end, and is removed where anything goes wrong.
@@ -106,27 +80,22 @@ def new_folder(folder: Path) -> Iterator[Path]:
         SensingError: ``folder`` exists and is not empty, or cannot be written.
     """
     check_new_folder(folder)
-    made: Path | None = None
-    try:
+    with _told(folder):
         folder.parent.mkdir(parents=True, exist_ok=True)
-        made = Path(tempfile.mkdtemp(dir=folder.parent, prefix=f".{folder.name}."))
-        yield made
-        made.chmod(0o755)
-        made.replace(folder)
-        made = None
-    except OSError as error:
-        raise SensingError(f"{folder}: cannot be written: {error.strerror}") from None
-    finally:
-        if made is not None:
-            shutil.rmtree(made, ignore_errors=True)
+        with folder_beside(folder) as begun:
+            yield begun
+            synced(begun)
+            begun.replace(folder)
 
 
-def write_folder(folder: Path, files: Mapping[str, bytes]) -> None:
-    """Write a new folder with ``files`` (relative path → bytes), whole or not at all.
+def write_folder(folder: Path, files: Mapping[str, bytes], empty: Iterable[str] = ()) -> None:
+    """Write a new folder with ``files`` (relative path → bytes) and ``empty`` folders, whole or not at all.
 
     Raises SensingError as ``new_folder`` does.
     """
     with new_folder(folder) as made:
+        for name in empty:
+            (made / name).mkdir()
         for name, data in files.items():
             (made / name).parent.mkdir(parents=True, exist_ok=True)
             (made / name).write_bytes(data)

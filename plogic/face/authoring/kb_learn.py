@@ -2,6 +2,7 @@
 
 import json
 from collections.abc import Callable, Iterable, Mapping, Sequence
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -10,19 +11,18 @@ import numpy as np
 from kb.clouds.cloud import KnowledgeBase, ObjectType
 from kb.clouds.learned import LearnedCloud, cloud_bytes
 from kb.clouds.words import Words, words_bytes
+from kb.files.changes import Writer
 from kb.files.folder import load
 from kb.learning.compounds import with_parts
 from kb.learning.symmetry_trials import Trial, entries
 from plogic.base.errors import InputError
 from plogic.face.authoring.kb_learn_all import WORK, learned, no_print
 from plogic.face.authoring.kb_learn_words import words_of
-from plogic.face.authoring.kb_types import check_own, type_folders, with_entry
+from plogic.face.authoring.kb_types import changing, type_folders, with_entry
 from plogic.face.shown.options import Learning
 from plogic.face.shown.progress import Work
 from plogic.face.shown.tables import plain_table
-from plogic.run.sources import kb_of
 from sensing.errors import SensingError
-from sensing.files.whole_files import write_files
 from sensing.simulated.body import read_mesh
 from sensing.simulated.stage import MAX_TRIANGLES
 
@@ -47,8 +47,20 @@ def learn_command(kb_folder: str, names: Sequence[str], options: Learning, *, sa
     Raises:
         InputError: a name is no type's, or nothing can be learned and no type is there that has features.
     """
-    kb = kb_of(kb_folder)
-    folder = check_own(kb_folder)
+    with changing(kb_folder) as (kb, writer):
+        return _learn(kb_folder, kb, names, options, writer, say)
+
+
+def _learn(
+    kb_folder: str,
+    kb: KnowledgeBase,
+    names: Sequence[str],
+    options: Learning,
+    writer: Writer,
+    say: Callable[[str], None],
+) -> str:
+    """As ``learn_command``, of a knowledge base that nobody else changes."""
+    folder = writer.root
     chosen, left_out = _chosen(kb, names)
     check_detector(kb_folder, kb, options.detector, [kind.name for kind in chosen])
     rows, clouds = [], {kind.name: kind.learned for kind in kb.types if kind.learned is not None}
@@ -71,7 +83,7 @@ def learn_command(kb_folder: str, names: Sequence[str], options: Learning, *, sa
             words, clouds = words_of(clouds, options.seed)
     _tell_left_out(left_out, nothing=not rows and (bool(names) or not any(kind.features for kind in kb.types)), say=say)
     if rows:
-        write_files(written(files_of(folder, words, clouds), found))
+        writer.change(written(files_of(folder, words, clouds), found))
         count = len(words.centroids)
     else:
         count = 0 if kb.words is None else len(kb.words.centroids)
@@ -168,33 +180,41 @@ def row_of(name: str, cloud: LearnedCloud) -> dict[str, Any]:
     }
 
 
-def files_of(folder: Path, words: Words, clouds: Mapping[str, LearnedCloud]) -> dict[Path, bytes]:
+def files_of(
+    folder: Path, words: Words, clouds: Mapping[str, LearnedCloud], new: Mapping[Path, bytes] | None = None
+) -> dict[Path, bytes]:
     """All that is written into a KB's folder.
 
-    Words, every cloud (its words are new), and the lines that name them, where none does yet.
+    Words, every cloud (its words are new), and the lines that name them, where none does yet. ``new``: files of types
+    that are written with them, which come with the rest.
 
     Raises:
         InputError: two types name one file for their clouds, or a YAML file is written so that no line can be added.
     """
-    files = _named(folder / "kb.yaml", "words", words_bytes(words))
-    for name, place in type_folders(folder).items():
+    new, digest = dict(new or {}), words.digest
+    files = new | _named(folder / "kb.yaml", "words", words_bytes(words), new)
+    taken = {path.resolve() for path in files}
+    fresh = {path.parent.name: path.parent for path in new if path.name == "object.yaml"}
+    for name, place in (type_folders(folder) | fresh).items():
         if name in clouds:
-            own = _named(place / "object.yaml", "cloud", cloud_bytes(clouds[name]))
-            shared = [path for path in own if path.resolve() in {other.resolve() for other in files}]
+            content = cloud_bytes(replace(clouds[name], words=digest))
+            own = _named(place / "object.yaml", "cloud", content, new)
+            shared = [path for path in own if path not in new and path.resolve() in taken]
             if shared:
                 raise InputError(
                     f"{place / 'object.yaml'}: names {shared[0]} for its cloud, which another file names too: give it one of its own"
                 )
+            taken |= {path.resolve() for path in own}
             files |= own
     return files
 
 
-def _named(file: Path, key: str, data: bytes) -> dict[Path, bytes]:
+def _named(file: Path, key: str, data: bytes, new: Mapping[Path, bytes]) -> dict[Path, bytes]:
     """The data under the name that a YAML file gives them.
 
     Where it gives none, under the usual one, and the file with a line that does.
     """
-    content = file.read_bytes()
+    content = new[file] if file in new else file.read_bytes()
     entry = load(str(file), content).data.get(key)
     if entry:
         return {file.parent / entry["file"]: data}

@@ -5,7 +5,7 @@ An object type from one photo, laid onto its mesh by a few clicked points.
 
 import json
 import tempfile
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
 
@@ -15,6 +15,8 @@ from geometry.camera import camera_to_dict
 from geometry.poses.register import Registration
 from kb.clouds.cloud import KnowledgeBase, ObjectType
 from kb.clouds.learned import LearnedCloud
+from kb.clouds.words import Words
+from kb.files.changes import Writer
 from kb.files.folder import load
 from kb.intake.new_type import NewType, check_name, new_type
 from kb.intake.source import png, read_source
@@ -24,14 +26,13 @@ from plogic.base.errors import InputError
 from plogic.face.authoring.kb_learn import BY_HAND, check_detector, files_of, row_of
 from plogic.face.authoring.kb_learn_all import WORK, learned, no_print
 from plogic.face.authoring.kb_learn_words import words_of
-from plogic.face.authoring.kb_types import check_own, check_places, new_command, type_folders, with_entry, write_types
+from plogic.face.authoring.kb_types import changing, check_places, files_in, new_command, type_folders, with_entry
 from plogic.face.shown.options import Learning, Photo
 from plogic.face.shown.progress import Work
 from plogic.face.shown.tables import plain_table
 from plogic.run.cameras import sized
 from plogic.run.sources import kb_of
 from sensing.files.images import read_image
-from sensing.files.whole_files import write_files
 from sensing.simulated.body import read_mesh
 from sensing.simulated.stage import MAX_TRIANGLES
 
@@ -47,7 +48,23 @@ def learn_photo_command(
 
     Raises InputError, KBError, GeometryError, SensingError: nothing is written then.
     """
-    kb, new, kind = _the_type(kb_folder, names, sources, options.detector, say)
+    if len(names) != 1:
+        raise InputError(f"--photo: name the one type that it shows, not {len(names)}")
+    with changing(kb_folder) as (kb, writer):
+        return _learn(kb_folder, kb, names, sources, options, writer, say)
+
+
+def _learn(
+    kb_folder: str,
+    kb: KnowledgeBase,
+    names: Sequence[str],
+    sources: Photo,
+    options: Learning,
+    writer: Writer,
+    say: Callable[[str], None],
+) -> str:
+    """As ``learn_photo_command``, of a knowledge base that nobody else changes."""
+    new, kind = _the_type(kb_folder, kb, names, sources, options.detector, say)
     for note in new.notes if new is not None else ():
         say(f"{kind.name}: {note}")
     found, mesh = _registered(kind, sources)
@@ -62,28 +79,33 @@ def learn_photo_command(
     if found_cloud is None:
         raise InputError(f"{kind.name}: {no_print(options.detector)}")
     cloud = with_parts(kind, found_cloud)
-    count = _write(Path(kb_folder), new, kind.name, files, cloud, options.seed)
+    known = {kind.name: kind.learned for kind in kb.types if kind.learned is not None}
+    words, clouds = words_of(known | {kind.name: cloud}, options.seed)
+    count = len(words.centroids)
+    writer.change(_files(writer.root, new, kind.name, files, words, clouds))
     return _answer(kb_folder, kind, found, mesh, cloud, count, as_json=options.as_json)
 
 
 def _the_type(
-    kb_folder: str, names: Sequence[str], sources: Photo, detector: str, say: Callable[[str], None]
-) -> tuple[KnowledgeBase, NewType | None, ObjectType]:
-    """The KB, the new type's files where it is new, and the type with its surface."""
-    if len(names) != 1:
-        raise InputError(f"--photo: name the one type that it shows, not {len(names)}")
-    kb = kb_of(kb_folder)
-    folder = check_own(kb_folder)
+    kb_folder: str,
+    kb: KnowledgeBase,
+    names: Sequence[str],
+    sources: Photo,
+    detector: str,
+    say: Callable[[str], None],
+) -> tuple[NewType | None, ObjectType]:
+    """The new type's files where it is new, and the type with its surface."""
+    folder = Path(kb_folder)
     check_detector(kb_folder, kb, detector, names)
     kind = next((kind for kind in kb.types if kind.name == names[0]), None)
     if kind is None:
-        return (kb, *_new(folder, names[0], sources))
+        return _new(folder, names[0], sources)
     if sources.mesh is not None:
         say(f"{kind.name}: is there already, so --mesh is not read")
     fault = _fault(kind, type_folders(folder)[kind.name])
     if fault is not None:
         raise InputError(f"{kind.name}: {fault}")
-    return kb, None, kind
+    return None, kind
 
 
 def _fault(kind: ObjectType, folder: Path) -> str | None:
@@ -161,24 +183,22 @@ def _paint_files(mesh: PaintedMesh, photo: str, metres_per_unit: float) -> dict[
     return {PAINT[0]: ("\n".join(lines) + "\n").encode(), PAINT[1]: material.encode(), PAINT[2]: png(mesh.texture).data}
 
 
-def _write(
-    kb_folder: Path, new: NewType | None, name: str, paint: dict[str, bytes], cloud: LearnedCloud, seed: int
-) -> int:
-    """Everything, and how many words there are now."""
-    clouds = {kind.name: kind.learned for kind in kb_of(str(kb_folder)).types if kind.learned is not None} | {
-        name: cloud
-    }
-    words, clouds = words_of(clouds, seed)
-    if new is not None:
-        write_types(kb_folder, [new])
-    files = files_of(kb_folder, words, clouds)
-    folder = type_folders(kb_folder)[name]
-    file = folder / "object.yaml"
-    content = files.get(file) or file.read_bytes()
+def _files(
+    folder: Path,
+    new: NewType | None,
+    name: str,
+    paint: Mapping[str, bytes],
+    words: Words,
+    clouds: Mapping[str, LearnedCloud],
+) -> dict[Path, bytes]:
+    """All that is written: the type where it is new, its paint, and what was learned."""
+    place = folder / "objects" / name if new is not None else type_folders(folder)[name]
+    files = files_of(folder, words, clouds, files_in(folder, [new]) if new is not None else None)
+    file = place / "object.yaml"
+    content = files[file] if file in files else file.read_bytes()
     mesh = load(str(file), content).data["mesh"] | {"textured": PAINT[0]}
     files[file] = with_entry(file, content, "mesh", mesh)
-    write_files(files | {folder / own: data for own, data in paint.items()})
-    return len(words.centroids)
+    return files | {place / own: data for own, data in paint.items()}
 
 
 def _answer(

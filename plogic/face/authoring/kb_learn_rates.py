@@ -7,15 +7,15 @@ from typing import Any
 
 from geometry.errors import PlogicError
 from kb.clouds.cloud import Counts, KnowledgeBase, Rates
+from kb.files.changes import Writer
 from kb.files.write import rounded, with_rates
 from plogic.base.errors import InputError
-from plogic.face.authoring.kb_types import check_own
+from plogic.face.authoring.kb_types import changing
 from plogic.face.shown.tables import plain_table
 from plogic.rates.estimates import added, counted, expected_counts, learned, open_slots, without
 from plogic.rates.scene_records import Record, record_of, scene_folders
 from plogic.run.perceive import perceiver_of
 from plogic.run.sources import kb_of
-from sensing.files.whole_files import write_whole
 
 KINDS = ("hit", "clutter", "prior")
 """Rates that are learned: the fields that ``Rates`` and ``Counts`` have in common."""
@@ -25,16 +25,31 @@ def learn_rates_command(
     scenes: Sequence[str], kb_folder: str, *, add: bool, dry_run: bool, say: Callable[[str], None], as_json: bool
 ) -> str:
     """Learn, and write unless ``dry_run``; ``add``: to the counts that the KB has."""
-    kb = kb_of(kb_folder)
-    file = None if dry_run else check_own(kb_folder) / "kb.yaml"
+    if dry_run:
+        return _learn(scenes, kb_of(kb_folder), None, add=add, say=say, as_json=as_json)
+    with changing(kb_folder) as (kb, writer):
+        return _learn(scenes, kb, writer, add=add, say=say, as_json=as_json)
+
+
+def _learn(
+    scenes: Sequence[str],
+    kb: KnowledgeBase,
+    writer: Writer | None,
+    *,
+    add: bool,
+    say: Callable[[str], None],
+    as_json: bool,
+) -> str:
+    """As ``learn_rates_command``, of a knowledge base that nobody else changes where there is a ``writer``."""
     records = _records(scene_folders(scenes), kb, say)
     words = frozenset(kb.words.names if kb.words is not None else ())
     observed = without(added(kb.rates.counts if add else Counts(), counted(records)), words)
     unknown = open_slots(records)
     counts = without(expected_counts(unknown, observed, learned(observed, kb.rates)), words)
     rates = learned(counts, kb.rates)
-    if file is not None:
-        _write(file, rates)
+    if writer is not None:
+        file = writer.root / "kb.yaml"
+        writer.change({file: with_rates(file.read_text(encoding="utf-8"), rates).encode()})
         say(f"wrote {file}")
     if unknown:
         say(f"{len(unknown)} instances of unknown presence were weighed by EM")
@@ -58,11 +73,6 @@ def _records(folders: Sequence[Path], kb: KnowledgeBase, say: Callable[[str], No
     if wrong:
         raise InputError("\n".join(wrong))
     return records
-
-
-def _write(file: Path, rates: Rates) -> None:
-
-    write_whole(file, with_rates(file.read_text(encoding="utf-8"), rates).encode())
 
 
 def _rows(kb: KnowledgeBase, rates: Rates, counts: Counts) -> list[dict[str, Any]]:

@@ -6,7 +6,8 @@ New knowledge bases, and new types in their folders, each whole or not at all.
 import json
 import os.path
 import re
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import contextmanager
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -16,6 +17,7 @@ from ruamel.yaml.nodes import MappingNode, Node, SequenceNode
 
 from geometry.files.plain_files import IS_FOLDER, IS_MISSING, fault_of, is_there
 from kb.clouds.cloud import KnowledgeBase, ObjectType
+from kb.files.changes import AT_ONCE, Writer, writing
 from kb.files.folder import MAX_BYTES, load
 from kb.files.write import obj_text, object_text
 from kb.intake.bop_models import bop_models, bop_symmetries
@@ -28,7 +30,10 @@ from plogic.base.errors import InputError
 from plogic.run.sources import kb_of
 from plogic.sequence.constancy.panorama_reading import unknown_of
 from plogic.sequence.constancy.result import SeenFeature, draft_type
-from sensing.files.whole_files import write_folder, write_whole
+from sensing.files.whole_files import write_folder
+
+PATIENCE = 10.0
+"""Seconds that a command which takes few waits for another that is changing the same knowledge base."""
 
 
 def is_new(folder: Path) -> bool:
@@ -47,6 +52,19 @@ def check_own(kb_folder: str) -> Path:
     if not is_there(folder / "kb.yaml"):
         raise InputError(f"{kb_folder}: is shipped with plogic: copy its folder, and change the copy")
     return folder
+
+
+@contextmanager
+def changing(kb_folder: str, patience: float = AT_ONCE) -> Iterator[tuple[KnowledgeBase, Writer]]:
+    """A knowledge base that nobody else changes meanwhile, and who may.
+
+    Raises:
+        KBError: It cannot be read, or another process is changing it. InputError: It is shipped with plogic.
+    """
+    if not is_there(Path(kb_folder) / "kb.yaml"):
+        kb_of(kb_folder)
+    with writing(check_own(kb_folder), patience) as writer:
+        yield kb_of(kb_folder), writer
 
 
 def check_places(folder: Path, names: Sequence[str]) -> None:
@@ -75,16 +93,34 @@ def type_folders(folder: Path) -> dict[str, Path]:
     return found
 
 
-def write_types(folder: Path, types: Sequence[NewType], *, new: bool = False) -> None:
-    """Write the types' folders, into a ``new`` knowledge base or an old one, and the schema of their editor lines.
+def files_in(folder: Path, types: Sequence[NewType]) -> dict[Path, bytes]:
+    """All that is written of new types into a knowledge base's folder: theirs, and the schema of their editor lines."""
+    files = {folder / "objects" / kind.name / name: data for kind in types for name, data in kind.files.items()}
+    return files | {folder / "object.schema.json": schema_files()["object.schema.json"]}
 
-    Raises IntakeError, SensingError.
+
+def write_types(folder: Path, types: Sequence[NewType]) -> bool:
+    """Write types, all or none, into a knowledge base; whether it was made for them.
+
+    Raises IntakeError, InputError where a type of a name is there meanwhile, KBError, SensingError.
     """
-    if new:
-        new_command(folder, None)
-    for kind in types:
-        write_folder(folder / "objects" / kind.name, kind.files)
-    write_whole(folder / "object.schema.json", schema_files()["object.schema.json"])
+    if is_new(folder):
+        _make(folder, new_kb_files(_name_of(folder)), types)
+        return True
+    with writing(folder, PATIENCE) as writer:
+        check_places(folder, [kind.name for kind in types])
+        writer.change(files_in(folder, types))
+    return False
+
+
+def _make(folder: Path, files: Mapping[str, bytes], types: Sequence[NewType] = ()) -> None:
+    """Write a new knowledge base, whole or not at all."""
+    more = {str(path): data for path, data in files_in(Path(), types).items()} if types else {}
+    write_folder(folder, {**files, **more}, empty=["objects"])
+
+
+def _name_of(folder: Path) -> str:
+    return Path(os.path.realpath(folder)).name
 
 
 def told(folder: Path, types: Sequence[NewType], what: str, *, new: bool, as_json: bool) -> str:
@@ -110,15 +146,14 @@ def new_command(folder: Path, name: str | None, *, example: bool = False) -> str
 
     ``example``: with a type written by hand.
     """
-    name = name or Path(os.path.realpath(folder)).name
+    name = name or _name_of(folder)
     if example:
-        write_folder(folder, example_files(name))
+        _make(folder, example_files(name))
         return (
             f"wrote {folder}: kb.yaml, rules.pl, their schemas, and objects/box: object.yaml, mesh.obj\n"
             f"next: plogic kb check {folder}; plogic simulate --kb {folder} --gamma -o scene"
         )
-    write_folder(folder, new_kb_files(name))
-    (folder / "objects").mkdir()
+    _make(folder, new_kb_files(name))
     return (
         f"wrote {folder}: kb.yaml, rules.pl, their schemas and objects/\n"
         f"next: plogic kb add NAME --mesh FILE --units m|cm|mm --kb {folder}\n"
@@ -133,12 +168,12 @@ def add_command(name: str, mesh: Path, units: str | None, folder: Path, *, as_js
 
     Raises IntakeError, InputError, SensingError.
     """
-    fresh = is_new(folder)
+    is_new(folder)
     check_name(name)
     check_places(folder, [name])
     new = new_type(name, read_source(mesh), units, mesh)
-    write_types(folder, [new], new=fresh)
-    return told(folder, [new], "kb_add", new=fresh, as_json=as_json)
+    made = write_types(folder, [new])
+    return told(folder, [new], "kb_add", new=made, as_json=as_json)
 
 
 def import_command(source: Path, folder: Path, units: str | None, *, as_json: bool) -> str:
@@ -150,13 +185,13 @@ def import_command(source: Path, folder: Path, units: str | None, *, as_json: bo
         IntakeError: a file that no type can be made of. InputError: no such file, a folder that is no KB, a type that
         exists. SensingError.
     """
-    new = is_new(folder)
+    is_new(folder)
     fault = fault_of(source)
     if fault not in (None, IS_FOLDER):
         raise InputError(f"{source}: {'there is no such file or folder' if fault == IS_MISSING else fault}")
     types = _of_bop(source, folder, units) if fault == IS_FOLDER else [_of_robot(source, folder, units)]
-    write_types(folder, types, new=new)
-    return told(folder, types, "kb_import", new=new, as_json=as_json)
+    made = write_types(folder, types)
+    return told(folder, types, "kb_import", new=made, as_json=as_json)
 
 
 def _of_robot(path: Path, folder: Path, units: str | None) -> NewType:
@@ -244,14 +279,14 @@ def assimilate_command(panorama: str, unknown: str, kb_folder: str, name: str, *
 
     Raises InputError, IntakeError, KBError, SensingError.
     """
-    kb = kb_of(kb_folder)
-    folder = check_own(kb_folder)
-    check_name(name)
-    check_places(folder, [name])
-    features = unknown_of(panorama, unknown)
-    _check_features(features, kb, panorama, unknown)
-    new = draft_files(name, features, kb, f"{unknown} of {panorama}")
-    write_types(folder, [new])
+    with changing(kb_folder, PATIENCE) as (kb, writer):
+        folder = writer.root
+        check_name(name)
+        check_places(folder, [name])
+        features = unknown_of(panorama, unknown)
+        _check_features(features, kb, panorama, unknown)
+        new = draft_files(name, features, kb, f"{unknown} of {panorama}")
+        writer.change(files_in(folder, [new]))
     where = folder / "objects" / name
     if as_json:
         return json.dumps(

@@ -2,16 +2,14 @@
 
 from collections.abc import Iterator
 from pathlib import Path
-from time import time
 
 from geometry.errors import PlogicError
+from geometry.files.begun import left_in
+from kb.files.changes import holder, is_changing, settle
 from plogic.run.health.findings import REPAIRS, Finding, counted
 from plogic.run.health.remains import removed
 from plogic.run.sources import kb_folder, kb_of
-from sensing.files.whole_files import left_beside
 
-OLD = 3600.0
-"""Seconds after which nobody writes a file any more."""
 NAMED = 20
 """Mistakes that are told."""
 
@@ -35,23 +33,29 @@ def knowledge(name: str, *, fix: bool) -> Iterator[Finding]:
 
 
 def unfinished(folder: Path) -> list[Path]:
-    """What writers were writing in a knowledge base, or beside it, when they were killed, or are writing now."""
+    """What writers that were killed began in a knowledge base, or beside it."""
+    real = folder.resolve()
+    beside = [path for path in left_in(real.parent) if path.name.startswith(f".{real.name}.")]
     inside = [folder, folder / "objects", *sorted(folder.glob("objects/[!.]*"))]
-    beside = [
-        path for path in left_beside(folder.resolve().parent) if path.name.startswith(f".{folder.resolve().name}.")
-    ]
-    return [*beside, *(path for place in inside for path in left_beside(place))]
+    return [*beside, *(path for place in inside for path in left_in(place))]
 
 
 def _writes(area: str, folder: Path, *, fix: bool) -> Iterator[Finding]:
+    """Who is changing it, a change that was cut short, and what else is left of killed writers."""
+    who = holder(folder)
+    if who is not None:
+        yield Finding(area, "lock", "note", f"process {who} is changing it", "wait until it has ended")
+    elif is_changing(folder):
+        told = "a change is in force, and was cut short before all its files were at their places"
+        if fix:
+            settle(folder)
+        done = not is_changing(folder)
+        yield Finding(
+            area, "change", "repaired" if done else "wrong", f"{told}; moved" if done else told, "" if done else REPAIRS
+        )
     found = unfinished(folder)
-    old = [path for path in found if time() - path.lstat().st_mtime > OLD]
-    if old:
-        told = f"{counted(len(old), 'file', 'files')} of a writer that was killed: {old[0]}"
-        yield removed(Finding(area, "unfinished writes", "wrong", told, REPAIRS), old, fix=fix)
-    if len(found) > len(old):
-        (young, *_) = [path for path in found if path not in old]
-        told = f"{young} is being written, or its writer was killed within the hour"
-        yield Finding(area, "unfinished writes", "note", told, "look again in an hour")
-    if not found:
+    if found:
+        told = f"{counted(len(found), 'file', 'files')} of a writer that was killed: {found[0]}"
+        yield removed(Finding(area, "unfinished writes", "wrong", told, REPAIRS), found, fix=fix)
+    else:
         yield Finding(area, "unfinished writes", "fine", "none")
