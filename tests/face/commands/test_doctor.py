@@ -14,7 +14,9 @@ from console import plogic
 from jsonschema import Draft202012Validator
 from small_kb import write_small
 
+from geometry.files.begun import file_beside
 from geometry.files.remembered import ABANDONED
+from kb.files.changes import CHANGE, writing
 from plogic.face.commands.formats import schema_command
 from plogic.run.health import remains
 from plogic.run.health.installation import requirements
@@ -200,25 +202,33 @@ def test_a_broken_knowledge_base_tells_its_mistakes(tmp_path, here):
 def test_what_a_killed_writer_left_in_a_knowledge_base(tmp_path, here):
     kb = write_small(tmp_path / "kb")
     left = [
-        tmp_path / ".kb.abcdefgh",
-        kb / ".kb.yaml.abcdefg1",
-        kb / "objects/.mug.abcdefgh",
-        kb / "objects/tent/.cloud.npz.abc_efgh",
+        tmp_path / ".kb.plogic-abcdefgh",
+        kb / ".kb.yaml.plogic-abcdefg1",
+        kb / "objects/.mug.plogic-abcdefgh",
+        kb / "objects/tent/.cloud.npz.plogic-abc_efgh",
     ]
-    for path in left:
+    others = kb / ".git", tmp_path / ".kb2.plogic-abcdefgh", kb / ".notes.txt"
+    for path in (*left, *others):
         path.mkdir()
-        os.utime(path, (OLD, OLD))
-    others = kb / ".git", tmp_path / ".kb2.abcdefgh", kb / ".notes.txt"
-    for path in others:
-        path.mkdir()
-        os.utime(path, (OLD, OLD))
     area = f"knowledge base {kb}", "unfinished writes"
     assert found("--kb", kb, status=1, **here)[area]["told"].startswith("4 files of a writer that was killed: ")
     assert found("--kb", kb, "--fix", status=0, **here)[area]["state"] == "repaired"
     assert (any(path.exists() for path in left), all(path.exists() for path in others)) == (False, True)
-    (kb / ".kb.yaml.abcdefg1").touch()
-    row = found("--kb", kb, "--fix", status=0, **here)[area]
-    assert (row["state"], (kb / ".kb.yaml.abcdefg1").exists()) == ("note", True)
+    with file_beside(kb / "kb.yaml", b"written now") as begun:
+        assert found("--kb", kb, "--fix", status=0, **here)[area]["state"] == "fine"
+        assert begun.read_bytes() == b"written now"
+
+
+def test_who_is_changing_a_knowledge_base_and_a_change_that_was_cut_short(tmp_path, here):
+    kb = write_small(tmp_path / "kb")
+    area = f"knowledge base {kb}"
+    with writing(kb):
+        row = found("--kb", kb, status=0, **here)[area, "lock"]
+        assert (row["state"], row["told"]) == ("note", f"process {os.getpid()} is changing it")
+    (kb / CHANGE).mkdir()
+    (kb / CHANGE / "rules.pl").write_text("odd :- present(_).\n")
+    assert found("--kb", kb, "--fix", status=0, **here)[area, "change"]["state"] == "repaired"
+    assert (kb / "rules.pl").read_text() == "odd :- present(_).\n"
 
 
 def test_a_console_without_our_letters_and_a_folder_where_nothing_can_be_written(tmp_path, here):
