@@ -7,12 +7,14 @@ from collections.abc import Iterable, Iterator, Mapping
 from contextlib import contextmanager
 from pathlib import Path
 
-from geometry.files.plain_files import IS_FOLDER, IS_MISSING, TOO_LONG, fault_of
+from geometry.files.plain_files import IS_FOLDER, IS_MISSING, NO_PLAIN_FILE, TOO_LONG, fault_of
 from sensing.errors import SensingError
 
 
 def write_whole(path: Path, data: bytes) -> None:
     """Write ``data`` beside ``path`` and rename it into place; on any failure nothing is left.
+
+    Where it is a link, that is done where it leads; where a device or a pipe stands, ``data`` goes into it.
 
     Raises:
         SensingError: The place cannot be written; the message names it.
@@ -30,9 +32,14 @@ def write_files(files: Mapping[Path, bytes]) -> None:
     temporaries: dict[Path, Path] = {}
     try:
         for path, data in files.items():
-            temporaries[path] = _beside(path, data)
-        for path, temporary in temporaries.items():
-            _rename(temporary, path)
+            if not _is_stream(path):
+                place = Path(os.path.realpath(path))
+                temporaries[place] = _beside(place, path, data)
+        for path in files:
+            if _is_stream(path):
+                _into(path, files[path])
+        for place, temporary in temporaries.items():
+            _rename(temporary, place)
     finally:
         for temporary in temporaries.values():
             temporary.unlink(missing_ok=True)
@@ -41,6 +48,10 @@ def write_files(files: Mapping[Path, bytes]) -> None:
 def check_places(places: Iterable[Path]) -> None:
     """Raise SensingError for the first place where no file can be written: before the work is done."""
     for path in places:
+        if _is_stream(path):
+            if not os.access(path, os.W_OK):
+                raise SensingError(f"{path}: cannot be written: Permission denied")
+            continue
         folder = path.parent
         here, above = fault_of(path), fault_of(folder)
         wrong = "Is a directory" if here == IS_FOLDER else "No such directory" if above == IS_MISSING else None
@@ -63,10 +74,25 @@ def check_new_folder(folder: Path) -> None:
             raise SensingError(f"{folder}: cannot be written: {above} is no folder")
 
 
-def _beside(path: Path, data: bytes) -> Path:
-    """A new file beside ``path``; on failure, none."""
+def _is_stream(path: Path) -> bool:
+    """Whether a device or a pipe stands there, whose place no file may take."""
+    return fault_of(path) == NO_PLAIN_FILE
+
+
+def _into(path: Path, data: bytes) -> None:
     try:
-        handle, name = tempfile.mkstemp(dir=path.parent, prefix=f".{path.name}.")
+        with path.open("wb", buffering=0) as stream:
+            left = memoryview(data)
+            while left:
+                left = left[stream.write(left) :]
+    except OSError as error:
+        raise SensingError(f"{path}: cannot be written: {error.strerror}") from None
+
+
+def _beside(place: Path, path: Path, data: bytes) -> Path:
+    """A new file beside ``place``, which ``path`` leads to; on failure, none."""
+    try:
+        handle, name = tempfile.mkstemp(dir=place.parent, prefix=f".{place.name}.")
     except OSError as error:
         raise SensingError(f"{path}: cannot be written: {error.strerror}") from None
     try:
