@@ -42,7 +42,7 @@ from plogic.face.shown.options import (
     Number,
     Perceiving,
 )
-from plogic.face.shown.printed import emit, hand_over, open_streams, say
+from plogic.face.shown.printed import emit, hand_over, let_go, open_streams, say
 
 NO_MEMORY = "failed to map segment", "Cannot allocate memory", "Insufficient memory", "can't start new thread"
 """What libraries say in whose errors memory ran out."""
@@ -356,6 +356,8 @@ def main() -> None:
             raise
         say("\n".join(f"plogic: {line}" for line in _told(error)))
         sys.exit(1)
+    finally:
+        let_go()
 
 
 def _told(error: Exception) -> list[str]:

@@ -1,8 +1,8 @@
 r"""Texts of strangers made fit to be printed: names, ids, keys and file names may hold anything.
 
 What no terminal prints (escape sequences, changes of direction, separators, halves of pairs) is shown as its escape:
-those of ASCII as ``\x1b`` and ``\r``, all others as JSON writes them, ``\u202e``. What ``json.dumps`` wrote holds none of
-ASCII's, so that it means the same afterwards.
+those of ASCII as ``\x1b`` and ``\r``, all others as JSON writes them, ``\u202e``. What ``json.dumps`` wrote holds none
+of ASCII's, so that it means the same afterwards.
 
 * ``visible("a\x1b[0m\n")``, on one line, is ``a\x1b[0m\n``
 * ``shown("a\x1b[0m\n")`` leaves our own layout, ends of lines and tabs

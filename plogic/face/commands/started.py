@@ -18,6 +18,5 @@ def main() -> None:
     gc.set_threshold(OBJECTS)
     told = hidden((*PACKAGES, COMMAND))
     if told is not None:
-        sys.stderr.write(f"plogic: {told}\n")
-        sys.exit(1)
+        sys.exit(f"plogic: {told.encode('unicode_escape').decode()}")  # what prints else may be what is hidden
     import_module(COMMAND).main()

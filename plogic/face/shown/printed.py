@@ -82,8 +82,18 @@ def open_streams() -> None:
         except OSError:
             os.open(os.devnull, flags)  # gets the lowest number that is free
     if sys.stdin is None:
-        sys.stdin = open(0, encoding="utf-8")  # noqa: SIM115 - as long as the process
+        sys.stdin = open(0, encoding="utf-8", errors="surrogateescape")  # noqa: SIM115 - as long as the process
+    elif isinstance(sys.stdin, io.TextIOWrapper):
+        sys.stdin.reconfigure(encoding="utf-8", errors="surrogateescape")  # names of files, of whatever bytes
     sys.stdout, sys.stderr = Screen(sys.stdout, 1), Screen(sys.stderr, 2)
+
+
+def let_go() -> None:
+    """Leave what could not be written to stdout: Python, which would try again at its end, has nothing to tell."""
+    try:
+        sys.stdout.flush()
+    except OSError:
+        _drop(sys.stdout)
 
 
 class Screen(io.TextIOWrapper):
@@ -94,12 +104,19 @@ class Screen(io.TextIOWrapper):
         self.charset = "utf-8" if stream is None else stream.encoding
         plain = codecs.lookup(self.charset).name == "ascii"  # click writes past a stream that says so
         buffer = open(number, "wb") if stream is None else stream.detach()  # type: ignore[attr-defined]  # noqa: SIM115
+        if isinstance(buffer, io.RawIOBase):  # PYTHONUNBUFFERED: it may write a part
+            buffer = io.BufferedWriter(buffer)
         super().__init__(buffer, encoding="utf-8" if plain else self.charset, errors=_ESCAPED, newline="\n")
 
     def write(self, text: str) -> int:
         """Write what others print."""
         _put(self, shown(text))
         return len(text)
+
+
+def _drop(stream: TextIO) -> None:
+    """Let what is left over, and whatever is written from now on, go nowhere."""
+    os.dup2(os.open(os.devnull, os.O_WRONLY), stream.fileno())
 
 
 def _ended(text: str) -> str:
@@ -113,6 +130,8 @@ def _put(stream: TextIO, text: str, charset: str = "") -> None:
         OutputError: It cannot be written; not of stderr.
         ReaderGoneError: Nobody reads stdout any more.
     """
+    if not text:  # click tries what a stream takes, and passes over what that raises
+        return
     data = text.encode(charset or getattr(stream, "charset", stream.encoding) or "utf-8", _ESCAPED)
     try:
         if isinstance(stream, io.StringIO):  # somebody's own, in the place of a stream
@@ -122,7 +141,7 @@ def _put(stream: TextIO, text: str, charset: str = "") -> None:
         stream.buffer.write(data)
         stream.buffer.flush()
     except OSError as error:
-        os.dup2(os.open(os.devnull, os.O_WRONLY), stream.fileno())  # what is left over goes there when the process ends
+        _drop(stream)
         if stream is sys.stderr:
             return
         if isinstance(error, BrokenPipeError):
