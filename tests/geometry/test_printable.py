@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import re
 
 import pytest
 from hypothesis import given
@@ -50,11 +51,13 @@ def test_a_line_that_is_cut_tells_how_much_is_left_out(length, more):
     line = "m" * more + cut("n" * length)
     told = cut(line)
     assert len(told) <= LONGEST
-    if more + length > LONGEST and length > LONGEST:
-        left_out = int(told.split("(")[1].split()[0])
-        assert left_out == more + length - HEAD - TAIL, "also where it was cut before"
-    else:
-        assert cut(told) == told
+    assert cut(told) == told
+    if more + length <= LONGEST:
+        assert told == line
+        return
+    head, note, tail = re.fullmatch(r"([mn]+)\.\.\. \((\d+) characters left out\) \.\.\.([mn]+)", told).groups()
+    assert len(head) + int(note) + len(tail) == more + length, "also where it was cut before"
+    assert (len(head) <= HEAD + more, len(tail)) == (True, TAIL)
 
 
 def test_a_message_has_a_few_short_lines_whatever_it_repeats():
