@@ -59,6 +59,7 @@ def cut(line: str) -> str:
 
 def fit(text: str) -> str:
     """A message as it is told: what cannot be printed as its escape, lines cut, at most ``LINES`` of them."""
-    lines = [cut(line) for line in shown(text).split("\n")]
+    lines = text.split("\n")
     more = len(lines) - LINES
-    return "\n".join(lines if more <= 0 else [*lines[:LINES], f"and {more} more lines"])
+    told = [cut(shown(line)) for line in lines[:LINES]]
+    return "\n".join(told if more <= 0 else [*told, f"and {more} more lines"])
