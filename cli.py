@@ -1,5 +1,6 @@
 """The command line: one function a command, which parses, calls and prints. Everything else is in the packages."""
 
+import io
 import os
 import sys
 from pathlib import Path
@@ -7,6 +8,7 @@ from typing import Any
 
 import click
 
+from plogic.base.errors import ReaderGoneError
 from plogic.face.authoring.kb_group import kb
 from plogic.face.commands.bench import bench
 from plogic.face.commands.clicked import batch, bop, doctor, measures, next_view, schema, settle, watch
@@ -39,9 +41,8 @@ from plogic.face.shown.options import (
     Asking,
     Number,
     Perceiving,
-    emit,
-    say,
 )
+from plogic.face.shown.printed import emit, hand_over, let_go, open_streams, say
 
 NO_MEMORY = "failed to map segment", "Cannot allocate memory", "Insufficient memory", "can't start new thread"
 """What libraries say in whose errors memory ran out."""
@@ -240,7 +241,8 @@ def program(interpretation: str | None, kb_folder: str | None, **options: Any) -
     """Print the ProbLog program of an interpretation or a KB: it runs unchanged in a stock `problog`."""
     from plogic.face.commands.program import program_command
 
-    emit(program_command(interpretation, kb_folder, **options))
+    write = emit if options["as_json"] else hand_over
+    write(program_command(interpretation, kb_folder, **options))
 
 
 @cli.command()
@@ -250,7 +252,7 @@ def report(interpretation: str, out: str) -> None:
     """Write one self-contained HTML page that works offline."""
     from plogic.face.commands.program import report_command
 
-    report_command(interpretation, out, say=say, write=emit)
+    report_command(interpretation, out, say=say, write=hand_over)
 
 
 @cli.command()
@@ -338,16 +340,25 @@ def main() -> None:
     os.environ.setdefault(
         "OPENBLAS_NUM_THREADS", "1"
     )  # our products of matrices are many and small: more threads take longer
+    open_streams()
     try:
-        cli(standalone_mode=True)
-    except BrokenPipeError:
-        sys.stderr.close()
+        sys.exit(cli.main(prog_name="plogic", standalone_mode=False))
+    except ReaderGoneError:
         sys.exit(0)
+    except click.ClickException as error:
+        error.show(usage := io.StringIO())
+        say(usage.getvalue())
+        sys.exit(error.exit_code)
+    except click.Abort:
+        say("Aborted!")
+        sys.exit(1)
     except Exception as error:
         if os.environ.get("PLOGIC_TRACEBACK"):
             raise
         say("\n".join(f"plogic: {line}" for line in _told(error)))
         sys.exit(1)
+    finally:
+        let_go()
 
 
 def _told(error: Exception) -> list[str]:

@@ -16,6 +16,8 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import NamedTuple
 
+from geometry.printable import fit
+
 MOST = 100
 """Mistakes that are told one by one."""
 
@@ -40,7 +42,13 @@ class Mistake(NamedTuple):
 
 
 class PlogicError(Exception):
-    """The base of every error that this project raises on purpose; `str()` is fit for a user's eyes."""
+    """The base of every error that this project raises on purpose; `str()` is fit for a user's eyes.
+
+    What it repeats of an input may be of any length, and hold anything: see ``geometry.printable``.
+    """
+
+    def __str__(self) -> str:
+        return fit(super().__str__())
 
 
 class GeometryError(PlogicError):

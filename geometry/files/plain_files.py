@@ -16,6 +16,7 @@ from io import FileIO
 from pathlib import Path
 
 IS_MISSING, IS_FOLDER, TOO_LONG = "is missing", "is a folder, not a file", "has a name that is too long for a file"
+NO_PLAIN_FILE = "is no plain file, but a pipe or a device"
 """Faults that there are other words for, here and there."""
 _WORDS = {
     errno.ENOENT: IS_MISSING,
@@ -39,7 +40,7 @@ def fault_of(path: Path, limit: int | None = None) -> str | None:
     if stat.S_ISDIR(found.st_mode):
         return IS_FOLDER
     if not stat.S_ISREG(found.st_mode):
-        return "is no plain file, but a pipe or a device"
+        return NO_PLAIN_FILE
     if not os.access(path, os.R_OK):
         return "cannot be read: Permission denied"
     return (

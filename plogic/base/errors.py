@@ -9,6 +9,7 @@
         │   └── WidthError                exact sums would need larger tables, or more of them, than is sensible; states
             the width
         ├── InputError                    a command's input that cannot be used; names the file
+        ├── OutputError                   standard output cannot be written
         ├── InterpretationError           a file that is no complete interpretation/1
         ├── InconsistentError             no world satisfies the constraints or the evidence
         ├── ProgramError                  program text, rules or a goal that cannot be used; knows file, line and column
@@ -18,6 +19,8 @@
         │   ├── OutsideError              a goal that speaks of choices which a scene's graph has summed out
         │   └── NonGroundError            a probabilistic clause or a goal that keeps a variable
         └── LimitError                    the inference ran out of its time or memory
+
+ReaderGoneError                       nobody reads standard output any more: nobody's mistake, and told to nobody
 """
 
 from geometry.errors import PlogicError, told
@@ -52,6 +55,14 @@ class WidthError(SituationError):
 
 class InputError(BeliefError):
     """A command's input cannot be used: the message names the file, what is wrong and what would be right."""
+
+
+class OutputError(BeliefError):
+    """Standard output cannot be written: the message says why."""
+
+
+class ReaderGoneError(Exception):
+    """Nobody reads standard output any more; no ``OSError``, as click makes its own of a broken pipe."""
 
 
 class InterpretationError(_ManyMistakesError):

@@ -14,6 +14,7 @@ import numpy as np
 
 from geometry.errors import Mistake
 from geometry.files.documents import Document, read_json
+from geometry.printable import shown
 from plogic.base.errors import InterpretationError
 from plogic.facts.carried_rows import TypeRow
 from plogic.facts.document import (
@@ -234,7 +235,7 @@ def _feature_document(f: FeatureFact, expected: bool, detected: bool, case: Case
 
 def text_of(document: Mapping[str, object]) -> str:
     """The file's text: the same document gives the same bytes."""
-    return json.dumps(document, ensure_ascii=False, allow_nan=False, separators=(",", ":")) + "\n"
+    return shown(json.dumps(document, ensure_ascii=False, allow_nan=False, separators=(",", ":"))) + "\n"
 
 
 def read_interpretation(path: Path | str) -> Interpretation:

@@ -6,12 +6,14 @@ from contextlib import ExitStack, contextmanager
 from pathlib import Path
 
 from geometry.files.begun import file_beside, folder_beside, synced
-from geometry.files.plain_files import IS_FOLDER, IS_MISSING, TOO_LONG, fault_of
+from geometry.files.plain_files import IS_FOLDER, IS_MISSING, NO_PLAIN_FILE, TOO_LONG, fault_of
 from sensing.errors import SensingError
 
 
 def write_whole(path: Path, data: bytes) -> None:
     """Write ``data`` beside ``path`` and rename it into place; on any failure nothing is left.
+
+    Where it is a link, that is done where it leads; where a device or a pipe stands, ``data`` goes into it.
 
     Raises:
         SensingError: The place cannot be written; the message names it.
@@ -31,11 +33,16 @@ def write_files(files: Mapping[Path, bytes]) -> None:
     with ExitStack() as stack:
         begun = {}
         for path, data in files.items():
+            if not _is_stream(path):
+                with _told(path):
+                    place = Path(os.path.realpath(path))
+                    begun[place] = path, stack.enter_context(file_beside(place, data))
+        for path in files:
+            if _is_stream(path):
+                _into(path, files[path])
+        for place, (path, temporary) in begun.items():
             with _told(path):
-                begun[path] = stack.enter_context(file_beside(path, data))
-        for path, temporary in begun.items():
-            with _told(path):
-                temporary.replace(path)
+                temporary.replace(place)
 
 
 @contextmanager
@@ -50,6 +57,10 @@ def _told(path: Path) -> Iterator[None]:
 def check_places(places: Iterable[Path]) -> None:
     """Raise SensingError for the first place where no file can be written: before the work is done."""
     for path in places:
+        if _is_stream(path):
+            if not os.access(path, os.W_OK):
+                raise SensingError(f"{path}: cannot be written: Permission denied")
+            continue
         folder = path.parent
         here, above = fault_of(path), fault_of(folder)
         wrong = "Is a directory" if here == IS_FOLDER else "No such directory" if above == IS_MISSING else None
@@ -70,6 +81,18 @@ def check_new_folder(folder: Path) -> None:
     for above in folder.parents:
         if above.exists() and not above.is_dir():
             raise SensingError(f"{folder}: cannot be written: {above} is no folder")
+
+
+def _is_stream(path: Path) -> bool:
+    """Whether a device or a pipe stands there, whose place no file may take."""
+    return fault_of(path) == NO_PLAIN_FILE
+
+
+def _into(path: Path, data: bytes) -> None:
+    with _told(path), path.open("wb", buffering=0) as stream:
+        left = memoryview(data)
+        while left:
+            left = left[stream.write(left) :]
 
 
 @contextmanager

@@ -6,7 +6,8 @@ from typing import Any
 import click
 
 from plogic.base.errors import InputError
-from plogic.face.shown.options import AS_JSON, SEED, Learning, Photo, camera_options, emit, say
+from plogic.face.shown.options import AS_JSON, SEED, Learning, Photo, camera_options
+from plogic.face.shown.printed import emit, hand_over, say
 from plogic.run.cameras import GivenCamera
 
 UNITS = ["m", "dm", "cm", "mm", "um", "km", "in", "ft"]
@@ -150,7 +151,7 @@ def kb_show(folder: str, name: str | None, html: str | None, geometry: bool, as_
             raise click.UsageError(f"--html and {'--json' if as_json else '--geometry'} do not go together")
         from plogic.face.authoring.kb_show import page_command
 
-        page_command(folder, name, html, say=say, write=emit)
+        page_command(folder, name, html, say=say, write=hand_over)
         return
     from plogic.face.authoring.kb_show import show_command
 

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any, Literal
 from kb.files.schema import json_schema
 from kb.shown.show import check_report, tree_document, tree_text
 from plogic.base.errors import InconsistentError, InputError
-from plogic.face.shown.options import written
+from plogic.face.shown.printed import written
 from plogic.face.shown.tables import plain_table
 from plogic.measures.distinctiveness import distinctiveness, instance_counts, probability_of_distinctiveness
 from plogic.run.sources import kb_of

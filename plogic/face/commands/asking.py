@@ -15,7 +15,8 @@ from plogic.face.python.asking import EXPLANATIONS, Asked, Program, opened
 from plogic.face.session.minds import ranked
 from plogic.face.session.results import Answers, World, Worlds
 from plogic.face.shown.figures import chance, interval
-from plogic.face.shown.options import Asking, say
+from plogic.face.shown.options import Asking
+from plogic.face.shown.printed import say
 from plogic.facts.document import WorldRow
 from plogic.facts.situation import Reading
 from plogic.facts.spatial import exclusion_lines, exclusions
@@ -163,8 +164,8 @@ def _table_of_text(found: Worlds) -> str:
             str(i),
             chance(world.probability),
             *[interval(*world.interval)] * bounded,
-            Text(", ".join(holds) or "nothing that is asked"),
-            Text(shown),
+            ", ".join(holds) or "nothing that is asked",
+            shown,
         )
     if found.unlisted[1] > 0:
         table.add_row("", *[""] * bounded, interval(*found.unlisted), Text("not listed", style="dim"), "")
@@ -264,15 +265,10 @@ def shell_command(source: str, options: Asking, *, write: Callable[[str], None],
         Session.open(source, reading=options.reading, rules=options.rules, trust=options.trust) as session,
     ):
         session.greeting()
-
-        def write_now(text: str) -> None:
-            write(text)
-            sys.stdout.flush()  # so that results and mistakes stay in order
-
         if sys.stdin.isatty() and sys.stdout.isatty():
             from plogic.face.session.prompt import run_prompt
 
-            return run_prompt(session, write_now, say)
+            return run_prompt(session, write, say)
         from plogic.face.session.verbs import run_lines
 
-        return run_lines(session, sys.stdin.buffer, write_now, say)
+        return run_lines(session, sys.stdin.buffer, write, say)

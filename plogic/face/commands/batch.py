@@ -2,18 +2,16 @@
 
 import json
 import os
-import sys
 from collections.abc import Iterable, Sequence
 from contextlib import closing, suppress
-from functools import partial
 from pathlib import Path
 from time import monotonic
 
-import click
-
 from geometry.errors import WhichCameraError
 from plogic.base.children import ending_well
+from plogic.base.errors import ReaderGoneError
 from plogic.face.shown.options import Batching
+from plogic.face.shown.printed import say
 from plogic.face.shown.progress import Progress, bar, duration
 from plogic.run.batch.frame_lines import ERROR, UNFINISHED, doubt_in, is_empty, is_noted
 from plogic.run.batch.frames import Frame, Settings, checked, frames_of
@@ -68,8 +66,7 @@ def _engine(settings: Settings, options: Batching) -> Engine:
     if options.dask is not None:
         from plogic.run.batch.dask import Cluster
 
-        said = partial(click.echo, err=True)
-        return Cluster(settings, str(Path.cwd()), options.dask, options.timeout, said)
+        return Cluster(settings, str(Path.cwd()), options.dask, options.timeout, say)
     return Pool(settings, str(Path.cwd()), options.jobs or len(os.sched_getaffinity(0)), options.timeout)
 
 
@@ -110,6 +107,9 @@ def _run(
 
     try:
         run(left, engine, write, waiting, in_order=in_order)
+    except ReaderGoneError:
+        progress.end()
+        raise
     except BaseException:
         progress.end()
         progress.say(f"stopped; --resume goes on with {out}" if out != "-" else "stopped")
@@ -168,7 +168,7 @@ class Frames:
     def say(self, line: str) -> None:
         """A line that stays, above the bar."""
         self.end()
-        sys.stderr.write(line + "\n")
+        say(line)
 
     def end(self) -> None:
         """Take the bar away."""

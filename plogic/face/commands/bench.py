@@ -7,7 +7,8 @@ from typing import Any
 
 import click
 
-from plogic.face.shown.options import AS_JSON, SEED, Number, emit, say
+from plogic.face.shown.options import AS_JSON, SEED, Number
+from plogic.face.shown.printed import emit, say
 
 SIZED = (
     "watch",

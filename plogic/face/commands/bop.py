@@ -7,7 +7,8 @@ from typing import Any
 
 from kb.clouds.cloud import KnowledgeBase
 from plogic.base.errors import InputError
-from plogic.face.shown.options import Scoring, written
+from plogic.face.shown.options import Scoring
+from plogic.face.shown.printed import written
 from plogic.face.shown.tables import plain_table
 from plogic.run.bop.dataset import Dataset, open_dataset
 from plogic.run.bop.models import ids_of, model_ids, model_names, read_ids, read_models, unknown

@@ -30,9 +30,8 @@ from plogic.face.shown.options import (
     Scoring,
     Watching,
     camera_options,
-    emit,
-    say,
 )
+from plogic.face.shown.printed import emit, hand_over, say
 
 HELP = {"help_option_names": ["-h", "--help"]}
 SETTINGS = "camera", "reading", "reconsider", "smoothing", "deadline", "worlds", "full"
@@ -185,7 +184,7 @@ def bop(dataset: str, kb_folder: str, out: str, ids: str | None, timed: bool, as
     """
     from plogic.face.commands.bop import bop_command
 
-    text = bop_command(dataset, kb_folder, out, Scoring(ids, timed, as_json), say=say, write=emit)
+    text = bop_command(dataset, kb_folder, out, Scoring(ids, timed, as_json), say=say, write=hand_over)
     if text:
         emit(text)
 

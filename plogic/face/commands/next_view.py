@@ -13,7 +13,7 @@ from geometry.camera_row import Pose
 from geometry.files.pose_files import read_moves
 from plogic.base.errors import InterpretationError
 from plogic.face.shown.options import Moves
-from plogic.face.shown.tables import text_of_table
+from plogic.face.shown.tables import light_table, text_of_table
 from plogic.facts.document import Interpretation, Marks
 from plogic.facts.fact_rows import Interval
 from plogic.facts.interpretation import situation_of
@@ -191,20 +191,12 @@ def outlook_document(look: Outlook, world_from_reference: NDArray[np.float64] | 
 
 def table_of(document: NextView) -> str:
     """The candidates with their gains and reasons, under what would be told."""
-    from rich import box
-    from rich.table import Table
-    from rich.text import Text
-
-    table = Table(title="next view", title_justify="left", box=box.SIMPLE_HEAD, pad_edge=False)
-    table.add_column("rank", justify="right")
-    table.add_column("move")
+    table = light_table("next view", ["rank"], ["move"])
     table.add_column("gain, bits", justify="right")
     table.add_column("why")
     for i, row in enumerate(document["candidates"], 1):
         bits = f"{row['gain_bits']:.3f}" + (f" ± {row['standard_error']:.3f}" if row["standard_error"] >= SHOWN else "")
-        table.add_row(
-            str(i), Text(row["name"]), Text(bits), Text("\n".join(r["text"] for r in row["why"]) or _nothing(row))
-        )
+        table.add_row(str(i), row["name"], bits, "\n".join(r["text"] for r in row["why"]) or _nothing(row))
     unfinished = notice(stopped_in(document), anew=False)
     return "\n".join([_open(document), *[unfinished] * bool(unfinished), text_of_table(table)])
 

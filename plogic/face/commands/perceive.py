@@ -24,7 +24,8 @@ from kb.clouds.cloud import KnowledgeBase
 from plogic.base.clock import Stopwatch
 from plogic.base.errors import InputError
 from plogic.cycle.delta import Options
-from plogic.face.shown.options import Marks, Perceiving, written
+from plogic.face.shown.options import Marks, Perceiving
+from plogic.face.shown.printed import written
 from plogic.facts.document import Interpretation
 from plogic.facts.interpretation import text_of
 from plogic.facts.situation import stopped_in

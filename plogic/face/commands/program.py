@@ -5,7 +5,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import asdict, replace
 
 from plogic.base.errors import InputError
-from plogic.face.shown.options import written
+from plogic.face.shown.printed import written
 from plogic.facts.interpretation import read_interpretation, situation_of
 from plogic.facts.situation import Reading
 from plogic.scene.readings.unfinished import marks, with_notice

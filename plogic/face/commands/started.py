@@ -4,6 +4,7 @@ import gc
 import os
 import sys
 from importlib import import_module
+from typing import NoReturn
 
 from plogic.base.hidden import COMMAND, PACKAGES, hidden
 
@@ -19,22 +20,22 @@ def main() -> None:
     gc.set_threshold(OBJECTS)
     told = hidden((*PACKAGES, COMMAND))
     if told is not None:
-        sys.stderr.write(f"plogic: {told}\n")
-        sys.exit(1)
+        sys.exit(f"plogic: {told.encode('unicode_escape').decode()}")  # what prints else may be what is hidden
     try:
         command = import_module(COMMAND)
     except ImportError as error:
-        sys.exit(_without(error))
-    command.main()
+        _without(error)
+    else:
+        command.main()
 
 
-def _without(error: ImportError) -> int:
-    """What can be done where a package is missing, or cannot be loaded: returns the exit status."""
+def _without(error: ImportError) -> NoReturn:
+    """What can be done where a package is missing, or cannot be loaded."""
     if os.environ.get("PLOGIC_TRACEBACK"):
         raise error
     if sys.argv[1:2] == ["doctor"]:
         from plogic.face.commands.doctor import doctor_alone
 
-        return doctor_alone(sys.argv[2:])
-    sys.stderr.write(f"plogic: the installation is not whole: {error}; plogic doctor tells more\n")
-    return 1
+        sys.exit(doctor_alone(sys.argv[2:]))
+    why = str(error).encode("unicode_escape").decode()
+    sys.exit(f"plogic: the installation is not whole: {why}; plogic doctor tells more")

@@ -1,6 +1,5 @@
 """``plogic watch``: frames as they come, a line of JSON each."""
 
-import os
 import sys
 from contextlib import closing, suppress
 from functools import partial
@@ -12,11 +11,12 @@ from time import monotonic
 from geometry.errors import CameraError
 from geometry.files.plain_files import name_of
 from plogic.base.children import ending_well
-from plogic.base.errors import InputError
+from plogic.base.errors import InputError, ReaderGoneError
 from plogic.base.jobs import processors
 from plogic.base.stream_jobs import InTurn
 from plogic.face.commands.perceive import picture_of
-from plogic.face.shown.options import Watching, say
+from plogic.face.shown.options import Watching
+from plogic.face.shown.printed import say
 from plogic.face.shown.progress import Progress
 from plogic.run.batch.frame_lines import ERROR, UNFINISHED
 from plogic.run.batch.frames import Settings
@@ -65,8 +65,7 @@ def _watched(work: InTurn[Moment, Seen], watcher: Watcher, settings: Settings, o
                 _write_picture(seen, name, options)
                 told.frame(moment, seen, name)
                 out.write(seen.line)
-    except BrokenPipeError:  # who reads has enough
-        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+    except ReaderGoneError:  # who reads has enough
         return told.status
     except (KeyboardInterrupt, SystemExit) as end:
         told.say(f"stopped: {told.summary()}")

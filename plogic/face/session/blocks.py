@@ -16,6 +16,7 @@ from dataclasses import dataclass, fields, is_dataclass
 from html import escape
 from typing import TYPE_CHECKING, Any, TypeVar, overload
 
+from geometry.printable import visible
 from plogic.base.errors import InputError
 
 if TYPE_CHECKING:
@@ -109,11 +110,6 @@ class Lines:
 
 
 Block = Note | Table | Lines
-
-
-def visible(text: str) -> str:
-    """The text on one line, with an escape for every character that cannot be printed."""
-    return "".join(c if c.isprintable() else c.encode("unicode_escape").decode() for c in text)
 
 
 def text_of(blocks: Iterable[Block], *, width: int = WIDTH, styled: bool = False) -> str:

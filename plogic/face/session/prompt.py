@@ -13,7 +13,7 @@ from prompt_toolkit.history import FileHistory
 from prompt_toolkit.shortcuts import CompleteStyle
 
 from geometry.errors import PlogicError
-from plogic.face.session.blocks import visible
+from geometry.printable import visible
 from plogic.face.session.session import Session
 from plogic.face.session.verbs import SYNONYMS, VERBS, attempted, is_end, shown
 

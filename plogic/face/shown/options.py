@@ -1,7 +1,6 @@
-"""Options and arguments of commands, what carries them to the functions that do the work, and where these write."""
+"""Options and arguments of commands, and what carries them to the functions that do the work."""
 
 import math
-import sys
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import wraps
@@ -297,24 +296,3 @@ class Photo:
     camera: GivenCamera = NOTHING_GIVEN
     mesh: Path | None = None
     units: str | None = None
-
-
-def emit(text: str) -> None:
-    """Write a text to stdout, with an end of line."""
-    sys.stdout.write(text if text.endswith("\n") else text + "\n")
-
-
-def say(text: str) -> None:
-    """Write a line to stderr."""
-    sys.stderr.write(text + "\n")
-
-
-def written(text: str, place: str, *, say: Callable[[str], None], write: Callable[[str], None]) -> None:
-    """Write a text into a file, whole or not at all, and say so; where the place is ``-``, hand it to ``write``."""
-    from sensing.files.whole_files import write_whole
-
-    if place == "-":
-        write(text)
-        return
-    write_whole(Path(place), text.encode())
-    say(f"wrote {place}")

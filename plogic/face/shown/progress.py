@@ -5,12 +5,13 @@
   ``work.step(20.0)``
 """
 
-import shutil
 import sys
 from collections.abc import Callable
 from threading import Event, RLock, Thread
 from time import monotonic
 from typing import Self
+
+from plogic.face.shown.printed import over, say
 
 SELDOM = 10.0
 """Seconds between two lines where there is no terminal; what is done sooner tells nothing."""
@@ -27,20 +28,15 @@ class Progress:
     def at(self, text: str) -> None:
         """Tell it, on a terminal at once, else if the last line is long ago."""
         if self.terminal:
-            sys.stderr.write(
-                f"\r{text[: shutil.get_terminal_size().columns - 1]}\033[K"
-            )  # what wraps is not written over
-            sys.stderr.flush()
+            over(text)
         elif monotonic() - self._told >= SELDOM:
             self._told = monotonic()
-            sys.stderr.write(f"{text}\n")
-            sys.stderr.flush()
+            say(text)
 
     def end(self) -> None:
         """Take the line away; lines without a terminal stay."""
         if self.terminal:
-            sys.stderr.write("\r\033[K")
-            sys.stderr.flush()
+            over("")
 
 
 LEAST = 0.5

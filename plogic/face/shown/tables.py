@@ -9,15 +9,29 @@ import sys
 from collections.abc import Iterable, Mapping, Sequence
 
 from rich import box
+from rich import table as grids
 from rich.console import Console
-from rich.table import Table
 from rich.text import Text
 
+from geometry.printable import shown
 from plogic.face.shown.figures import NONE, chance, interval, signed
 from plogic.facts.document import Cells, Interpretation
 from plogic.facts.stances import words_of_standing
 from plogic.scene.document import Answers
 from plogic.scene.readings.unfinished import unlisted_beyond
+
+
+class Table(grids.Table):
+    """A table whose cells are texts, never markup: what cannot be printed is escaped before it is laid out.
+
+    A ``Text`` is one of our own, with a style: it loses control characters.
+    """
+
+    def add_row(self, *cells: str | Text, end_section: bool = False) -> None:  # type: ignore[override]
+        """One row more."""
+        texts = (Text(shown(cell)) if isinstance(cell, str) else cell for cell in cells)
+        super().add_row(*texts, end_section=end_section)
+
 
 CELLS = ("expected_detected", "expected_missed", "hidden_missed", "hidden_detected")
 """The four cases in the paper's column order: A, C, B, D."""
@@ -50,9 +64,9 @@ def worlds(document: Interpretation, limit: int = 10) -> Table:
         noise = causes.count("noise")
         who = ", ".join(names.get(h, h) for h in world["present"]) or "nothing known"
         within = [interval(*world["interval"])] if bounded else []
-        on = [Text(words_of_standing(world.get("support"), world.get("stances", {})))] if stands else []
+        on = [words_of_standing(world.get("support"), world.get("stances", {}))] if stands else []
         told = str(len(causes) - noise), str(noise)
-        table.add_row(str(i), chance(world["probability"]), *within, Text(who), *told, *on)
+        table.add_row(str(i), chance(world["probability"]), *within, who, *told, *on)
     low, high = unlisted_beyond(document, limit)
     if high > 0:
         table.add_row("", *[""] * bounded, interval(low, high), Text("not listed", style="dim"), "", "")
@@ -69,7 +83,7 @@ def answers(document: Answers) -> Table:
     for answer in document.get("answers", []):
         low, high = answer.get("interval") or [answer["probability"]] * 2
         shown = chance(answer["probability"]) if low == high or apart else interval(low, high)
-        table.add_row(shown, *[interval(low, high)] * apart, Text(str(answer["goal"])))
+        table.add_row(shown, *[interval(low, high)] * apart, str(answer["goal"]))
     return table
 
 
@@ -87,7 +101,7 @@ def measures(document: Interpretation) -> Table:
     )
     dv = document["measures"]["dv"] if "measures" in document else {}
     for h in document.get("hypotheses", []):
-        head = (Text(f"{h.get('label') or h['type']} {h['id']}"), h["status"])
+        head = (f"{h.get('label') or h['type']} {h['id']}", h["status"])
         tail = (
             signed(h.get("ev")),
             chance(h.get("p_ev")),
@@ -110,13 +124,13 @@ def over_instances(document: Interpretation) -> str:
     return "" if said == "types" else f", dv over the {said} in Δ"
 
 
-def _support_rows(support: Mapping[str, Cells], dv: Mapping[str, float]) -> list[tuple[str | Text, ...]]:
+def _support_rows(support: Mapping[str, Cells], dv: Mapping[str, float]) -> list[tuple[str, ...]]:
     """Feature type, dv and the four cells, the most distinctive type first; one row of dashes where there is none."""
     if not support:
-        return [(Text(NONE), NONE, *("0" for _ in CELLS))]
+        return [(NONE, NONE, *("0" for _ in CELLS))]
     kinds = sorted(support, key=lambda t: (-dv.get(t, 0.0), t))
     return [
-        (Text(kind), f"{dv[kind]:.3f}" if kind in dv else NONE, *(str(support[kind].get(cell, 0)) for cell in CELLS))
+        (kind, f"{dv[kind]:.3f}" if kind in dv else NONE, *(str(support[kind].get(cell, 0)) for cell in CELLS))
         for kind in kinds
     ]
 
@@ -160,5 +174,5 @@ def plain_table(title: str, rows: Sequence[Mapping[str, object]]) -> str:
     for name, value in rows[0].items() if rows else []:
         table.add_column(name, justify="right" if isinstance(value, (int, float)) else "left")
     for row in rows:
-        table.add_row(*(Text(f"{v:.3f}" if isinstance(v, float) else str(v)) for v in row.values()))
+        table.add_row(*(f"{v:.3f}" if isinstance(v, float) else str(v) for v in row.values()))
     return text_of_table(table)

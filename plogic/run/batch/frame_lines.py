@@ -19,6 +19,7 @@ from dataclasses import dataclass
 from typing import Annotated, Final, Literal, NotRequired, TypedDict
 
 from geometry.camera_row import Pose
+from geometry.printable import shown
 from plogic.facts.document import (
     CameraDoubtRow,
     HypothesisRow,
@@ -194,9 +195,7 @@ def is_empty(line: bytes) -> bool:
 def _line(row: FrameLine) -> bytes:
     first = {"format": row["format"], "input": row["input"], "frame": row["frame"], "status": row["status"]}
     text = json.dumps({**first, **row}, ensure_ascii=False, allow_nan=False, separators=(",", ":"))
-    return (
-        text.encode("utf-8", "backslashreplace") + b"\n"
-    )  # of a file's name that is no text: \udc80, as JSON writes it
+    return shown(text).encode() + b"\n"  # of a file's name that is no text: \udc80, as JSON writes it
 
 
 def short(document: Interpretation, number: int) -> ShortBody:

@@ -10,7 +10,7 @@ from io import RawIOBase
 from pathlib import Path
 from typing import Any, BinaryIO, NamedTuple
 
-from plogic.base.errors import InputError
+from plogic.base.errors import InputError, ReaderGoneError
 from plogic.run.batch.frame_lines import DONE, ERROR, FORMAT, UNFINISHED
 from plogic.run.batch.frames import Frame, Settings, digest_of
 from sensing.errors import SensingError
@@ -83,14 +83,14 @@ class Log:
             self._file.truncate(self._end)
 
     def write(self, line: bytes) -> None:
-        """Append one line, or raise SensingError."""
+        """Append one line, or raise SensingError, or of a pipe without a reader ReaderGoneError."""
         left = memoryview(line)
         try:
             while left:
                 left = left[self._file.write(left) :]
             self._file.flush()
         except BrokenPipeError:
-            raise
+            raise ReaderGoneError from None
         except OSError as error:
             raise SensingError(f"{self._name}: cannot be written: {error.strerror}") from None
 

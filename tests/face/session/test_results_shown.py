@@ -7,8 +7,8 @@ from html.parser import HTMLParser
 
 import pytest
 
+from geometry.printable import visible
 from plogic.face.session import results
-from plogic.face.session.blocks import visible
 from plogic.logic.served.engine import Answer
 from plogic.scene.asking.explanations import Account
 
@@ -84,7 +84,7 @@ def test_a_terminal_is_sent_nothing_that_it_obeys(result):
 
 
 def test_what_cannot_be_printed_is_shown_as_its_escape():
-    assert visible("a\x1b[0m\n\u202e é–\u00a0") == "a\\x1b[0m\\n\\u202e é–\\xa0"
+    assert visible("a\x1b[0m\n\u202e é–\u00a0") == "a\\x1b[0m\\n\\u202e é–\\u00a0"
 
 
 def test_styles_only_where_asked_for(monkeypatch):
