@@ -256,7 +256,7 @@ class Trial:
         left = sorted(set(every) ^ set(self._every))
         left += [f"{name}: is another" for name in self._new if after.get(name) != self._new[name]]
         if self._command.kind is Kind.LOG:
-            return ("torn" if left else "new" if now == self._new else "old"), left
+            return ("torn" if after != self._new else "new" if now == self._new else "old"), left
         if self._command.kind is Kind.FILES:  # of which each may be old or new
             names = {*self._old, *self._new, *now}
             mixed = any(now.get(name) not in (self._old.get(name), self._new.get(name)) for name in names)
