@@ -224,7 +224,7 @@ class Tried:
     def row(self) -> dict[str, Any]:
         """For the table."""
         counts = {what: sum(found == what for found in self.found.values()) for what in ("old", "new", "torn")}
-        kills = {"command": self.command.name, "operations": len(self.operations), "kills": len(self.found)}
+        kills = {"command": self.command.name, "operations": len(self.operations), "kills": sum(counts.values())}
         return kills | counts | {"left": len(self.left)}
 
     def lines(self) -> Iterator[str]:
@@ -247,8 +247,14 @@ class Trial:
         self._new, self._every = self._looked()
 
     def killed(self, last: int) -> tuple[str, list[str]]:
-        """Whether old, new or torn was found after a kill before an operation, and what was left in the end."""
-        if self._first(last) != -signal.SIGKILL:
+        """Whether old, new or torn was found after a kill before an operation, and what was left in the end.
+
+        "missed" where a command of several processes came to its end with fewer operations than the first time.
+        """
+        status = self._first(last)
+        if not status and self._command.kind is Kind.LOG:
+            return "missed", []
+        if status != -signal.SIGKILL:
             raise RuntimeError(f"{self._command.name}: has fewer than {last} operations the second time")
         now = self._looked()[0]
         self._ran(None, self._command.again or self._command.arguments)
@@ -256,7 +262,7 @@ class Trial:
         left = sorted(set(every) ^ set(self._every))
         left += [f"{name}: is another" for name in self._new if after.get(name) != self._new[name]]
         if self._command.kind is Kind.LOG:
-            return ("torn" if left else "new" if now == self._new else "old"), left
+            return ("torn" if after != self._new else "new" if now == self._new else "old"), left
         if self._command.kind is Kind.FILES:  # of which each may be old or new
             names = {*self._old, *self._new, *now}
             mixed = any(now.get(name) not in (self._old.get(name), self._new.get(name)) for name in names)

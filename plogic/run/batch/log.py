@@ -10,6 +10,7 @@ from io import RawIOBase
 from pathlib import Path
 from typing import Any, BinaryIO, NamedTuple
 
+from geometry.files.begun import swept_once
 from plogic.base.errors import InputError, ReaderGoneError
 from plogic.run.batch.frame_lines import DONE, ERROR, FORMAT, UNFINISHED
 from plogic.run.batch.frames import Frame, Settings, digest_of
@@ -124,6 +125,7 @@ def log_at(out: str) -> Iterator[Log]:
             yield Log(out, file)
             return
         _lock(file, out)
+        swept_once(path.parent)
         yield Log(out, file, *read_lines(path, out))
         os.fsync(file)
 
