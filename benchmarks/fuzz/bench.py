@@ -142,7 +142,7 @@ def attack(chosen: Sequence[Kind], plan: Plan, say: Callable[[str], None]) -> li
     tallies = [Tally(kind, [*kind.seeds(), *kept(kind.name)], plan.out, say) for kind in chosen]
     count, seed, jobs = plan.count, plan.seed, plan.jobs
     until = monotonic() + plan.seconds
-    waiting, running = list(tallies), {}
+    waiting, running = list(tallies), dict[str, _Running]()
     with tempfile.TemporaryDirectory(prefix="plogic-fuzz-") as folder:
         while (waiting and monotonic() < until) or running:
             while waiting and len(running) < jobs and monotonic() < until:

@@ -58,7 +58,7 @@ def _picture(path: Path) -> None:
 def _stream(path: Path) -> None:
     from sensing.files.picture_stream import pictures_in
 
-    for _ in pictures_in(BytesIO(path.read_bytes()), "stream"):  # type: ignore[arg-type] # read1 is there
+    for _ in pictures_in(BytesIO(path.read_bytes()), "stream"):
         pass
 
 

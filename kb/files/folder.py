@@ -24,6 +24,7 @@ from ruamel.yaml.nodes import MappingNode, Node, ScalarNode, SequenceNode
 from ruamel.yaml.resolver import VersionedResolver
 
 from geometry.files.plain_files import fault_of, is_there
+from geometry.files.side_files import LIMITS, is_lost, side_files
 from kb.errors import KBError, Mistake
 from kb.files.changes import CHANGE, is_changing
 
@@ -276,6 +277,11 @@ def _stamp(path: Path) -> Stamp:
     return found.st_dev, found.st_ino, found.st_size, found.st_mtime_ns
 
 
+HALF_MOVED = (
+    "a change was cut short, and what the mesh names is not all moved: whoever may write here runs plogic kb check"
+)
+
+
 @dataclass
 class Folder:
     """The ``contents`` read so far, by relative path, and the ``mistakes`` found so far; ``kept``: for surfaces.
@@ -353,3 +359,19 @@ class Folder:
         for name, content in sorted(self.contents.items()):
             total.update(f"{name}\n{len(content)}\n".encode() + content)
         return total.hexdigest()
+
+    def read_sides(self, path: Path, content: bytes) -> None:
+        """Read the materials, pictures and buffers that a mesh file names, for they are among what the digest is over.
+
+        One that leads out is a mistake; one that is missing is not, as the mesh may do without.
+        """
+        sides = side_files(path, content)
+        if sides and self.is_split(path.parent):
+            self.mistakes.append(Mistake(self.name(path), 0, 0, "", HALF_MOVED))
+            return
+        for side in sides:
+            fault = side.fault or self.fault(side.place, LIMITS[side.kind])
+            if fault is None:
+                self.content(side.place, LIMITS[side.kind])
+            elif not is_lost(side):
+                self.mistakes.append(Mistake(self.name(path), 0, 0, "", f"the {side.kind} {side.name!r:.100} {fault}"))

@@ -11,7 +11,6 @@ from typing import TypeVar
 import numpy as np
 
 from geometry.files.plain_files import IS_FOLDER, IS_MISSING, fault_of, is_there
-from geometry.files.side_files import LIMITS, is_lost, side_files
 from kb.clouds.cloud import (
     UNKNOWN_SUPPORT,
     Counts,
@@ -161,9 +160,6 @@ def learned_lobes(cloud: LearnedCloud, words: Words) -> LobeTable:
 
 MAX_RULES_BYTES = 1_000_000
 """Largest ``rules.pl``."""
-HALF_MOVED = (
-    "a change was cut short, and what the mesh names is not all moved: whoever may write here runs plogic kb check"
-)
 HIT, PRIOR = 0.8, 0.5
 """What holds for types that ``kb.yaml`` says nothing about."""
 
@@ -296,7 +292,7 @@ def _surface(place: Folder, document: Document, folder: Path, scale: float) -> t
     path = _named(place, document, folder, ("mesh", "file"), "mesh", MAX_MESH_BYTES)
     content = place.content(path, MAX_MESH_BYTES) if path is not None else None
     if path is not None and content is not None:
-        _sides(place, path, content)
+        place.read_sides(path, content)
         try:
             return place.at(path), kept_surface(place.at(path), content, scale, place.kept)
         except SurfaceError as error:
@@ -309,25 +305,8 @@ def _textured(place: Folder, document: Document, folder: Path) -> Path | None:
     path = _named(place, document, folder, ("mesh", "textured"), "mesh", MAX_MESH_BYTES)
     content = place.content(path, MAX_MESH_BYTES) if path is not None else None
     if path is not None and content is not None:
-        _sides(place, path, content)
+        place.read_sides(path, content)
     return path
-
-
-def _sides(place: Folder, path: Path, content: bytes) -> None:
-    """Read the materials, pictures and buffers that a mesh file names, for they are among what the digest is over.
-
-    One that leads out is a mistake; one that is missing is not, as the mesh may do without.
-    """
-    sides = side_files(path, content)
-    if sides and place.is_split(path.parent):
-        place.mistakes.append(Mistake(place.name(path), 0, 0, "", HALF_MOVED))
-        return
-    for side in sides:
-        fault = side.fault or place.fault(side.place, LIMITS[side.kind])
-        if fault is None:
-            place.content(side.place, LIMITS[side.kind])
-        elif not is_lost(side):
-            place.mistakes.append(Mistake(place.name(path), 0, 0, "", f"the {side.kind} {side.name!r:.100} {fault}"))
 
 
 def _rules(place: Folder) -> str:

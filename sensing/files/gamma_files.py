@@ -18,6 +18,7 @@ from geometry.camera_row import CameraRow
 from geometry.errors import Mistake
 from geometry.files.documents import Document, parsed_json
 from geometry.files.plain_files import name_of, text_of
+from geometry.json_checks import shown
 from geometry.json_shapes import Range, Size
 from sensing.appearance import Appearance, Gamma
 from sensing.detectors.keypoint_detector import WIDTH as SIDE
@@ -155,7 +156,7 @@ def _content_mistakes(rows: object, camera: Camera | None, vocabulary: Collectio
         if vocabulary is not None and isinstance(a_type, str) and a_type not in known:
             found.append(Mistake((*here, "type"), f"{a_type!r:.60} is no appearance type of the KB ({named})"))
         if camera is not None and _outside(uv, camera):
-            found.append(Mistake((*here, "uv"), f"{uv} is outside the image of {camera.width}x{camera.height}"))
+            found.append(Mistake((*here, "uv"), f"{shown(uv)} is outside the image of {camera.width}x{camera.height}"))
         wrong = _descriptor_mistake(a_type, row.get("descriptor"))
         if wrong is not None:
             found.append(Mistake((*here, "descriptor"), wrong))

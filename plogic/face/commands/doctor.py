@@ -5,12 +5,12 @@ It tells what it can where packages are missing, click among them: what is impor
 
 import json
 import platform
-import sys
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from functools import partial
 from importlib.metadata import PackageNotFoundError, version
 from itertools import groupby, pairwise
 
+from plogic.face.shown.printed import emit
 from plogic.run.health.findings import REPAIRS, Finding, FindingRow, Health
 
 MARKS = {"fine": "ok", "note": "note", "wrong": "WRONG", "repaired": "repaired"}
@@ -114,5 +114,5 @@ def doctor_alone(arguments: Sequence[str]) -> int:
     """``plogic doctor`` where click cannot be imported; returns the exit status."""
     kb = [value for key, value in pairwise(arguments) if key == "--kb"]
     text, status = doctor_command(kb, fix="--fix" in arguments, as_json="--json" in arguments)
-    sys.stdout.write(text + "\n")
+    emit(text)
     return status

@@ -106,7 +106,7 @@ def _room() -> Finding:
 
 def console() -> Iterator[Finding]:
     """Whether what commands print can be shown."""
-    encoding = sys.stdout.encoding or "none"
+    encoding = getattr(sys.stdout, "charset", sys.stdout.encoding) or "none"
     try:
         SIGNS.encode(encoding)
     except (LookupError, UnicodeEncodeError):
