@@ -97,6 +97,7 @@ class _Running:
         self.at = RawValue("q", -1)
         self._copy = Copy(work, tally.kind, self.lot, self.pool, folder, self.at, theirs)
         theirs.close()
+        self.told = 0
         self._seen, self._before, self._since = -2, 0.0, 0.0
 
     def hangs(self) -> bool:
@@ -168,19 +169,23 @@ def _after(one: _Running, said: bool) -> int | None:  # noqa: FBT001 - what was 
     """None while it goes on, else the number of the input to go on from: how many there are, once it is done."""
     if said:
         try:
-            one.tally.add(one.end.recv())
+            part = one.end.recv()
         except EOFError:
             return _broken(one, "the process died")
-        one.stop()
-        one.tally.lot += 1
-        return one.lot[2]
+        one.tally.add(part)
+        one.told += part.tried
+        if part.last:
+            one.stop()
+            one.tally.lot += 1
+            return one.lot[2]
+        return None
     return _broken(one, f"more than {SLOW:g} processor seconds") if one.hangs() else None
 
 
 def _broken(one: _Running, what: str) -> int:
     at = one.stop()
     one.tally.fault(Fault(one.tally.kind.name, what, one.data(at)))
-    one.tally.tried += at + 1 - one.first
+    one.tally.tried += at + 1 - one.first - one.told
     one.tally.lot += at + 1 == one.lot[2]
     return at + 1
 

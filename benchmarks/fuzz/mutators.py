@@ -9,6 +9,7 @@ import io
 import json
 import re
 import struct
+import warnings
 import zipfile
 import zlib
 from typing import TYPE_CHECKING, Any
@@ -278,7 +279,10 @@ def as_archive(data: bytes, rng: Random, pool: Sequence[bytes]) -> bytes:
         ([(name, body)], [(name, body)], [], [(name, body)] * 2, [(rng.choice(TEXTS) or "x", body)])
     )
     out = io.BytesIO()
-    with zipfile.ZipFile(out, "w", rng.choice((zipfile.ZIP_STORED, zipfile.ZIP_DEFLATED))) as archive:
+    with (
+        warnings.catch_warnings(action="ignore"),
+        zipfile.ZipFile(out, "w", rng.choice((zipfile.ZIP_STORED, zipfile.ZIP_DEFLATED))) as archive,
+    ):
         for name, body in members:
             archive.writestr(zipfile.ZipInfo(name.encode("utf-8", "replace").decode().replace("\0", "")[:200]), body)
     return out.getvalue()

@@ -58,8 +58,9 @@ class Fault:
 
 @dataclass
 class Lot:
-    """What came of one lot."""
+    """What came of one lot, or of a part of it; ``last``: nothing follows."""
 
+    last: bool = False
     tried: int = 0
     accepted: int = 0
     seconds: float = 0.0
@@ -95,9 +96,17 @@ def work(
         if i >= first:
             at.value = i
             _one(kind, path, data, done, known)
+        if done.faults:  # told at once: the next input may be the end
+            end.send(_measured(done, start))
+            done, start = Lot(), process_time()
+    done.last = True
+    end.send(_measured(done, start))
+
+
+def _measured(done: Lot, start: float) -> Lot:
     done.seconds = process_time() - start
     done.memory = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss * 1024
-    end.send(done)
+    return done
 
 
 def _limit() -> None:
