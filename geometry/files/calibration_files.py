@@ -34,7 +34,7 @@ if TYPE_CHECKING:
 
 MAX_DEPTH = 20
 """Levels of nesting: a calibration has four."""
-MAX_CHARS = 2**20  # a calibration is some hundreds
+MAX_CHARS = 100_000  # a calibration is some hundreds, and 50,000 a second are read
 
 Size = tuple[int, int] | None  # width, height px, where the file states none
 

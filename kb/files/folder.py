@@ -35,6 +35,8 @@ MAX_BYTES = 16_000_000
 """Largest YAML file."""
 MAX_NODES = 500_000
 """Most values of a document, those of an alias counted each time."""
+SLOWLY_READ = 30_000
+"""Characters of a text that ruamel's own parser is asked about, which reads some 50,000 a second."""
 MAX_DEPTH = 60
 """Deepest nesting."""
 
@@ -134,12 +136,18 @@ class _Kinds(VersionedResolver):
 def _compose(text: str) -> Node | None:
     """The node graph; by libyaml where it is there and the text cannot be nested deeply, as its composer recurses in C.
 
-    What libyaml refuses is put to ruamel's own parser, so that the same texts are YAML with and without it.
+    What libyaml refuses is put to ruamel's own parser, so that the same texts are YAML with and without it; but for
+    long ones, as that takes seconds.
     """
+    if text.count("\n") + text.count(",") > MAX_NODES:
+        raise YAMLError(f"more than {MAX_NODES} lines and commas")
+    deep, short = _may_be_deep(text), len(text) <= SLOWLY_READ
+    if deep and not short:
+        raise YAMLError(f"too many brackets, or spaces before a line, for a file of more than {SLOWLY_READ} characters")
     with warnings.catch_warnings():
         warnings.simplefilter("ignore")  # of anchors that are defined twice, which YAML permits
-        if not _may_be_deep(text):
-            with suppress(YAMLError, ValueError):
+        if not deep:
+            with suppress(*((YAMLError, ValueError) if short else ())):
                 return _composed(text, pure=False)
         return _composed(text, pure=True)
 

@@ -215,7 +215,7 @@ def test_bop_scenes_are_in_millimetres_and_take_their_size_from_the_dataset(tmp_
         (OPENCV_XML.replace(">640<", ">many<"), ":4: camera.width: 'many' is not a whole number"),
         (OPENCV_XML.replace(">640<", f">{'9' * 5000}<"), ":4: camera.width: inf is not a whole number"),
         (OPENCV_XML.replace("<opencv", "<!DOCTYPE a>\n<opencv", 1), ":2: defines entities, which no calibration needs"),
-        ("<opencv_storage>" + " " * 2**20, "must be a calibration of at most 1048576 characters"),
+        ("<opencv_storage>" + " " * 2**20, "must be a calibration of at most 100000 characters"),
         (OPENCV_XML.replace("<image_width>640</image_width>", ""), "states no width and height"),
         (OPENCV_JSON | {"camera_matrix": MATRIX | {"data": [1, 2]}}, "camera_matrix: must hold 9 numbers, not 2"),
         ({"width": 640, "height": 480, "K": [1, 2, 3]}, "K: must be a 3x3 matrix"),
