@@ -11,9 +11,9 @@ of ASCII's, so that it means the same afterwards.
 
 import re
 
-LONGEST = 400
+LONGEST = 1000
 """Characters of a message's line; of a longer one the middle is left out."""
-HEAD, TAIL = 240, 120
+HEAD, TAIL = 700, 240
 """Of them, those of its beginning and of its end that stay."""
 _LEFT_OUT = re.compile(r"\.\.\. \(([0-9]{1,15}) characters left out\) \.\.\.")
 LINES = 120

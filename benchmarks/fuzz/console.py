@@ -42,7 +42,7 @@ WAITED = 90
 """Seconds by the clock."""
 MOST_LINES = 120
 """Lines on standard error: a hundred mistakes, and what was left out."""
-LONGEST_LINE = 1000
+LONGEST_LINE = 1100
 """Characters of a line on standard error."""
 _OBEYED = re.compile("[\x00-\x08\x0b-\x1f\x7f-\x9f\u061c\u200e\u200f\u2028\u2029\u202a-\u202e\u2066-\u2069]")
 """Characters that a terminal obeys; it may print tabs, and ends of lines."""

@@ -93,6 +93,7 @@ def doubled(cloud, parts):
     arrays = {
         name: np.concatenate([getattr(cloud, name), getattr(cloud, name)[parts]])
         for name in LearnedCloud.__dataclass_fields__
+        if name != "words"  # of all features together
     }
     return LearnedCloud(**arrays | {"feature": np.arange(len(arrays["at"]))})
 
