@@ -20,6 +20,7 @@ from time import monotonic, sleep
 
 from geometry.digits import whole
 from geometry.files.begun import folder_beside, is_at, sweep, synced
+from geometry.files.plain_files import IS_FOLDER, fault_of
 from kb.errors import BusyError, KBError
 
 CHANGE, LOCK = ".plogic-change", ".plogic-lock"
@@ -147,12 +148,12 @@ def holder(root: Path) -> int | None:
 
 def is_left(root: Path) -> bool:
     """Whether there is a lock of a writer that was killed."""
-    return (root / LOCK).is_file() and holder(root) is None
+    return fault_of(root / LOCK) is None and holder(root) is None
 
 
 def is_changing(root: Path) -> bool:
     """Whether a change is in force whose files are not all at their places."""
-    return (root / CHANGE).is_dir() and not (root / CHANGE).is_symlink()
+    return fault_of(root / CHANGE) == IS_FOLDER and not (root / CHANGE).is_symlink()
 
 
 def settle(root: Path) -> None:
