@@ -15,6 +15,8 @@ LONGEST = 1000
 """Characters of a message's line; of a longer one the middle is left out."""
 HEAD, TAIL = 700, 240
 """Of them, those of its beginning and of its end that stay."""
+_STRANGE = re.compile(r"[^ -~]+")
+"""What may not be printable: a long text has little of it."""
 _LEFT_OUT = re.compile(r"\.\.\. \(([0-9]{1,15}) characters left out\) \.\.\.")
 LINES = 120
 """Lines of a message."""
@@ -22,6 +24,10 @@ LINES = 120
 
 def visible(text: str) -> str:
     """The text on one line, with an escape for every character that cannot be printed."""
+    return text if text.isprintable() else _STRANGE.sub(lambda some: _escaped(some[0]), text)
+
+
+def _escaped(text: str) -> str:
     return text if text.isprintable() else "".join(c if c.isprintable() else escape(c) for c in text)
 
 

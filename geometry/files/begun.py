@@ -6,7 +6,8 @@ and no other user's, is touched. Where a file system has no locks, nothing is re
 
 * ``with file_beside(place, data) as begun: begun.replace(place)``: written, and on the disk, before it is renamed
 * ``with folder_beside(place) as begun``: so with a folder; what is not renamed is gone at the end
-* ``locked(file)``: whether the lock was had; what holds it until it is closed
+* ``sweep(folder)``, ``left_in(folder)``: what killed writers left is removed, or told
+* ``with told_of(place, SensingError)``: an OSError says of the place that it cannot be written
 """
 
 import fcntl
@@ -126,8 +127,22 @@ def _unlocked(begun: Path) -> Iterator[bool]:
 def synced(place: Path) -> None:
     """Have a file, or a folder with all that is in it, on the disk. Raises OSError."""
     for path in [place, *place.rglob("*")] if place.is_dir() else [place]:
-        handle = os.open(path, os.O_RDONLY | os.O_CLOEXEC)
-        try:
-            os.fsync(handle)
-        finally:
-            os.close(handle)
+        sync(path)
+
+
+def sync(path: Path) -> None:
+    """Have a file, or the names in a folder, on the disk. Raises OSError."""
+    handle = os.open(path, os.O_RDONLY | os.O_CLOEXEC)
+    try:
+        os.fsync(handle)
+    finally:
+        os.close(handle)
+
+
+@contextmanager
+def told_of(place: Path, error: Callable[[str], Exception]) -> Iterator[None]:
+    """Say of an OSError, as another error, which place cannot be written."""
+    try:
+        yield
+    except OSError as fault:
+        raise error(f"{place}: cannot be written: {fault.strerror}") from None

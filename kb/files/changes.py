@@ -19,7 +19,7 @@ from pathlib import Path
 from time import monotonic, sleep
 
 from geometry.digits import whole
-from geometry.files.begun import folder_beside, is_at, sweep, synced
+from geometry.files.begun import folder_beside, is_at, sweep, sync, synced, told_of
 from geometry.files.plain_files import IS_FOLDER, fault_of
 from kb.errors import BusyError, KBError
 
@@ -48,14 +48,15 @@ class Writer:
             KBError: One of them cannot be written, or lies elsewhere.
         """
         inside = {self._inside(path): data for path, data in files.items()}
-        with _told(self.root):
+        with told_of(self.root, KBError):
             with folder_beside(self.root / CHANGE) as begun:
                 for name, data in inside.items():
                     (begun / name).parent.mkdir(parents=True, exist_ok=True)
                     (begun / name).write_bytes(data)
                 synced(begun)
                 begun.rename(self.root / CHANGE)
-            _sync(self.root)
+            with suppress(OSError):
+                sync(self.root)
             _move(self.root)
 
     def _inside(self, path: Path) -> Path:
@@ -74,10 +75,10 @@ def writing(root: Path, patience: float = AT_ONCE) -> Iterator[Writer]:
         BusyError: Another process is changing it, and has not ended after ``patience`` seconds.
         KBError: Nobody may write there.
     """
-    with _told(root):
+    with told_of(root, KBError):
         handle = _had(root, monotonic() + patience)
     try:
-        with _told(root):
+        with told_of(root, KBError):
             os.truncate(handle, 0)
             os.write(handle, str(os.getpid()).encode())
             sweep(root)
@@ -86,15 +87,6 @@ def writing(root: Path, patience: float = AT_ONCE) -> Iterator[Writer]:
     finally:
         (root / LOCK).unlink(missing_ok=True)
         os.close(handle)
-
-
-@contextmanager
-def _told(root: Path) -> Iterator[None]:
-    """Say of an OSError which knowledge base cannot be written."""
-    try:
-        yield
-    except OSError as error:
-        raise KBError(f"{root}: cannot be written: {error.strerror}") from None
 
 
 def _had(root: Path, end: float) -> int:
@@ -187,15 +179,6 @@ def _move(root: Path) -> None:
             (Path(place) / name).replace(target / name)
             folders |= {target, target.parent}
     for folder in folders:
-        _sync(folder)
+        with suppress(OSError):
+            sync(folder)
     shutil.rmtree(change, ignore_errors=True)
-
-
-def _sync(folder: Path) -> None:
-    """Have the names in a folder on the disk, where that can be asked for."""
-    with suppress(OSError):
-        handle = os.open(folder, os.O_RDONLY | os.O_CLOEXEC)
-        try:
-            os.fsync(handle)
-        finally:
-            os.close(handle)

@@ -146,8 +146,10 @@ def _compose(text: str) -> Node | None:
         raise YAMLError(f"too many brackets, or spaces before a line, for a file of more than {SLOWLY_READ} characters")
     with warnings.catch_warnings():
         warnings.simplefilter("ignore")  # of anchors that are defined twice, which YAML permits
+        if not short:
+            return _composed(text, pure=False)
         if not deep:
-            with suppress(*((YAMLError, ValueError) if short else ())):
+            with suppress(YAMLError, ValueError):
                 return _composed(text, pure=False)
         return _composed(text, pure=True)
 

@@ -23,9 +23,9 @@ import tempfile
 import threading
 import zlib
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import ExitStack, contextmanager, suppress
 from pathlib import Path
-from typing import Any
+from typing import IO, Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -115,22 +115,25 @@ _SAYING = threading.Lock()
 
 @contextmanager
 def _said() -> Iterator[list[str]]:
-    """Hold back what decoders, which know no other way, write to standard error; it is in the list afterwards."""
+    """Hold back what decoders, which know no other way, write to standard error; it is in the list afterwards.
+
+    Where there is no standard error, or no room for what is held back, nothing is.
+    """
     said: list[str] = []
-    with _SAYING, tempfile.TemporaryFile() as held:
-        try:
+    with _SAYING, ExitStack() as stack:
+        with suppress(OSError):
+            held = stack.enter_context(tempfile.TemporaryFile())
             kept = os.dup(2)
-        except OSError:  # there is no standard error
-            yield said
-            return
-        os.dup2(held.fileno(), 2)
-        try:
-            yield said
-        finally:
-            os.dup2(kept, 2)
-            os.close(kept)
-            held.seek(0)
-            said.append(held.read().decode(errors="replace"))
+            stack.callback(_given_back, kept, held, said)
+            os.dup2(held.fileno(), 2)
+        yield said
+
+
+def _given_back(kept: int, held: IO[bytes], said: list[str]) -> None:
+    os.dup2(kept, 2)
+    os.close(kept)
+    held.seek(0)
+    said.append(held.read().decode(errors="replace"))
 
 
 def _as_bgr(pixels: NDArray[Any], path: str | Path) -> NDArray[np.uint8]:

@@ -5,7 +5,7 @@ from collections.abc import Iterable, Iterator, Mapping
 from contextlib import ExitStack, contextmanager
 from pathlib import Path
 
-from geometry.files.begun import file_beside, folder_beside, synced
+from geometry.files.begun import file_beside, folder_beside, synced, told_of
 from geometry.files.plain_files import IS_FOLDER, IS_MISSING, NO_PLAIN_FILE, TOO_LONG, fault_of
 from sensing.errors import SensingError
 
@@ -34,24 +34,15 @@ def write_files(files: Mapping[Path, bytes]) -> None:
         begun = {}
         for path, data in files.items():
             if not _is_stream(path):
-                with _told(path):
+                with told_of(path, SensingError):
                     place = Path(os.path.realpath(path))
                     begun[place] = path, stack.enter_context(file_beside(place, data))
         for path in files:
             if _is_stream(path):
                 _into(path, files[path])
         for place, (path, temporary) in begun.items():
-            with _told(path):
+            with told_of(path, SensingError):
                 temporary.replace(place)
-
-
-@contextmanager
-def _told(path: Path) -> Iterator[None]:
-    """Say of an OSError which place cannot be written."""
-    try:
-        yield
-    except OSError as error:
-        raise SensingError(f"{path}: cannot be written: {error.strerror}") from None
 
 
 def check_places(places: Iterable[Path]) -> None:
@@ -89,7 +80,7 @@ def _is_stream(path: Path) -> bool:
 
 
 def _into(path: Path, data: bytes) -> None:
-    with _told(path), path.open("wb", buffering=0) as stream:
+    with told_of(path, SensingError), path.open("wb", buffering=0) as stream:
         left = memoryview(data)
         while left:
             left = left[stream.write(left) :]
@@ -103,7 +94,7 @@ def new_folder(folder: Path) -> Iterator[Path]:
         SensingError: ``folder`` exists and is not empty, or cannot be written.
     """
     check_new_folder(folder)
-    with _told(folder):
+    with told_of(folder, SensingError):
         folder.parent.mkdir(parents=True, exist_ok=True)
         with folder_beside(folder) as begun:
             yield begun
