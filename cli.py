@@ -9,6 +9,7 @@ from typing import Any
 import click
 
 from plogic.base.errors import ReaderGoneError
+from plogic.base.memory import EACH, LEAST, OF_ALL, VARIABLE, held, hold, limit
 from plogic.face.authoring.kb_group import kb
 from plogic.face.commands.bench import bench
 from plogic.face.commands.clicked import batch, bop, doctor, measures, next_view, schema, settle, watch
@@ -46,9 +47,13 @@ from plogic.face.shown.printed import emit, hand_over, let_go, open_streams, say
 
 NO_MEMORY = "failed to map segment", "Cannot allocate memory", "Insufficient memory", "can't start new thread"
 """What libraries say in whose errors memory ran out."""
+LIMITED = (
+    f"A command and all processes that it starts take no more memory together than {LEAST >> 30} GiB and"
+    f" {EACH >> 30} GiB for each processor, and at most {100 * OF_ALL:g} % of what there is; {VARIABLE}=MB sets another limit."
+)
 
 
-@click.group(context_settings={"help_option_names": ["-h", "--help"], "max_content_width": 100})
+@click.group(context_settings={"help_option_names": ["-h", "--help"], "max_content_width": 100}, epilog=LIMITED)
 @click.version_option(package_name="plogic")
 def cli() -> None:
     """Abductive visual perception with probabilistic logic: an image in, ranked possible worlds out."""
@@ -342,6 +347,7 @@ def main() -> None:
     )  # our products of matrices are many and small: more threads take longer
     open_streams()
     try:
+        hold(limit(os.environ))
         sys.exit(cli.main(prog_name="plogic", standalone_mode=False))
     except ReaderGoneError:
         sys.exit(0)
@@ -369,7 +375,8 @@ def _told(error: Exception) -> list[str]:
         return str(error).splitlines()
     what = " ".join(f"{type(error).__name__}: {error}".split())
     if isinstance(error, MemoryError) or any(sign in what for sign in NO_MEMORY):
-        return ["out of memory: the input, or the knowledge base, takes more than there is"]
+        than = f"the {held() >> 20} MB that a command may ({VARIABLE}, ulimit)" if held() else "there is"
+        return [f"out of memory: the input, or the knowledge base, takes more than {than}"]
     return [f"internal error: {what} (please report it with the traceback that PLOGIC_TRACEBACK=1 shows)"]
 
 

@@ -22,7 +22,7 @@ import click
 import cv2
 
 from benchmarks.fuzz.kinds import Kind, kinds
-from benchmarks.fuzz.worker import MEMORY, SLOW, Fault, Lot, inputs, work
+from benchmarks.fuzz.worker import MEMORY, SLOW, Fault, Lot, inputs, outcome, place, work
 from benchmarks.shared.claims import Claim, report
 from plogic.base.children import Copy, ending_well
 
@@ -165,6 +165,16 @@ def attack(chosen: Sequence[Kind], plan: Plan, say: Callable[[str], None]) -> li
     return tallies
 
 
+def warm(chosen: Sequence[Kind]) -> None:
+    """Read what is good of each kind here: copies of this process then have what is imported, and compiled."""
+    with tempfile.TemporaryDirectory(prefix="plogic-fuzz-") as folder:
+        for kind in chosen:
+            path = place(kind, Path(folder) / kind.name)
+            for data in kind.seeds():
+                path.write_bytes(data)
+                outcome(kind, path, data)
+
+
 def _after(one: _Running, said: bool) -> int | None:  # noqa: FBT001 - what was seen
     """None while it goes on, else the number of the input to go on from: how many there are, once it is done."""
     if said:
@@ -228,9 +238,11 @@ def main(count: int, seconds: float, names: str, seed: int, jobs: int, out: Path
     if strange := [name for name in wanted if name not in known]:
         raise click.UsageError(f"--kinds: {', '.join(strange)}: known are {', '.join(known)}")
     cv2.setNumThreads(0)  # a copy of a process has none of its threads
+    chosen = [known[name] for name in wanted]
     with ending_well():
+        warm(chosen)
         plan = Plan(count, seconds, seed, jobs, out)
-        tallies = attack([known[name] for name in wanted], plan, lambda line: click.echo(line, err=True))
+        tallies = attack(chosen, plan, lambda line: click.echo(line, err=True))
     text, met = report("fuzz", [tally.row() for tally in tallies], claims(tallies), as_json=as_json)
     click.echo(text if as_json else f"{text}\n{CAPTION}")
     sys.exit(0 if met else 1)

@@ -88,7 +88,7 @@ def work(
     seed, number, count, first = lot
     warnings.simplefilter("ignore")
     _limit()
-    path = _place(kind, folder)
+    path = place(kind, folder)
     known: set[str] = set()
     done = Lot()
     start = process_time()
@@ -115,8 +115,8 @@ def _limit() -> None:
     resource.setrlimit(resource.RLIMIT_CORE, (0, 0))
 
 
-def _place(kind: Kind, folder: Path) -> Path:
-    """The input's path, below a folder with all that belongs beside it."""
+def place(kind: Kind, folder: Path) -> Path:
+    """An input's path, below a folder with all that belongs beside it."""
     shutil.rmtree(folder, ignore_errors=True)
     folder.mkdir(parents=True)
     tempfile.tempdir = None

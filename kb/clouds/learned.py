@@ -251,6 +251,7 @@ _FAULTS = (
     MemoryError,
     OverflowError,
     tokenize.TokenError,  # numpy, of the head of an array
+    SyntaxError,  # and this
 )
 
 

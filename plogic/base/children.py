@@ -1,8 +1,8 @@
 """Child processes: all of them are started here.
 
-A child ends when the process that started it ends, by SIGKILL too. Its memory is a share of that process's limit. It
-can be waited for among others, and is killed with all that it started. The folder that it writes in is removed, if need
-be by the next process that starts one.
+A child ends when the process that started it ends, by SIGKILL too. Its memory is watched (``memory``). It can be
+waited for among others, and is killed with all that it started. The folder that it writes in is removed, if need be by
+the next process that starts one.
 
 * ``with Child(python("plogic.logic.served.program_child"), told=request) as child: child.rest(seconds=5.0)``
 * ``heard([one, other], 1.0)``: those that say something within a second; the others may be ended
@@ -14,7 +14,6 @@ import contextlib
 import ctypes
 import fcntl
 import os
-import resource
 import select
 import shutil
 import signal
@@ -24,10 +23,13 @@ import tempfile
 import threading
 import weakref
 from collections.abc import Callable, Iterator, Mapping, Sequence
+from functools import partial
 from pathlib import Path
 from threading import Thread
 from time import monotonic, sleep, time
 from typing import Any, Self
+
+from plogic.base.memory import Watched, keep_to
 
 PREFIX = "plogic-child-"
 LOCK = ".lock"
@@ -90,7 +92,7 @@ LONG = 1e6
 LOOK = 0.5
 """Seconds between two looks for the parent, where the system sends no such signal."""
 CHILD = "PLOGIC_CHILD"
-"""The variable by which a child of Python learns the number of its parent and the bytes that it may use (0: any)."""
+"""The variable by which a child of Python learns the number of its parent and its limit of memory."""
 
 
 def python(module: str, *arguments: str) -> list[str]:
@@ -101,11 +103,11 @@ def python(module: str, *arguments: str) -> list[str]:
 class Child:
     """A command that runs in a session and a scratch folder of its own, whose standard output is read here.
 
-    ``told``: all that it will find on standard input; left out, ``tell`` writes there. ``memory``: bytes of address
-    space that it may use, if this process has twice as much left. ``folder``: where it runs, if not in its scratch
-    folder; ``variables`` are added to the environment. ``files`` are written into its scratch folder before it starts.
-    ``foreign``: it is no module of ours, and does not call ``begin``. Without ``memory`` it has this process's limit,
-    as a compiler reserves more address space than half of that and uses little of it.
+    ``told``: all that it will find on standard input; left out, ``tell`` writes there. ``memory``: bytes that it
+    may use, and its children with it, if the command's limit is not lower. ``folder``: where it runs, if not in its
+    scratch folder; ``variables`` are added to the environment. ``files`` are written into its scratch folder before it
+    starts.
+    ``foreign``: it is no module of ours, and does not call ``begin``.
     """
 
     def __init__(
@@ -113,18 +115,18 @@ class Child:
         command: Sequence[str],
         *,
         told: bytes | None = None,
-        memory: int | None = None,
+        memory: int = 0,
         folder: str | None = None,
         variables: Mapping[str, str] | None = None,
         files: Mapping[str, bytes] | None = None,
         foreign: bool = False,
     ) -> None:
-        scratch, lent = Scratch(), 0 if foreign and memory is None else lend(memory)
-        self.folder, parent = scratch.folder, os.getpid()
+        scratch, parent = Scratch(), os.getpid()
+        self.folder = scratch.folder
         try:
             for name, data in {**(files or {}), **({} if told is None else {".told": told})}.items():
                 (self.folder / name).write_bytes(data)
-            environment = _environment(self.folder) | dict(variables or {}) | {CHILD: f"{parent} {lent}"}
+            environment = _environment(self.folder) | dict(variables or {}) | {CHILD: f"{parent} {memory}"}
             with contextlib.ExitStack() as opened:
                 asked = subprocess.PIPE if told is None else opened.enter_context((self.folder / ".told").open("rb"))
                 said = opened.enter_context((self.folder / ".said").open("wb"))
@@ -136,13 +138,13 @@ class Child:
                     cwd=folder or self.folder,
                     env=environment,
                     start_new_session=True,
-                    preexec_fn=_foreign(parent, lent) if foreign else None,  # noqa: PLW1509 - of one thread, or without locks
+                    preexec_fn=_foreign(parent, memory) if foreign else None,  # noqa: PLW1509 - of one thread, or without locks
                 )
         except BaseException:
             scratch.remove()
-            give_back(lent)
             raise
-        self._end = weakref.finalize(self, _ended, self._process, scratch, lent)
+        self._watched = Watched(self._process.pid, memory, partial(_kill, self._process))
+        self._end = weakref.finalize(self, _ended, self._process, scratch, self._watched)
 
     def __enter__(self) -> Self:
         return self
@@ -197,27 +199,28 @@ class Child:
     def end(self) -> str:
         """Kill it, unless it has ended, and all that it started; sweep.
 
-        Return how it ended: ``signal 9``, ``exit status 1``.
+        Return how it ended: ``signal 9``, ``exit status 1``, ``more than 6144 MB of memory``.
         """
         self._end()
         status = self._process.returncode
+        if self._watched.over:
+            return f"more than {self._watched.over >> 20} MB of memory"
         return f"signal {-status}" if status < 0 else f"exit status {status}"
 
 
 class Copy:
     """A copy of this process (``fork``), which knows all that it knows and calls ``work(*arguments)``.
 
-    It may use what its maker uses now, with which it shares that, and a share of what is left.
+    It shares with its maker what that uses now.
     """
 
     def __init__(self, work: Callable[..., object], *arguments: object) -> None:
         from multiprocessing import get_context
 
-        self._lent, parent, used = lend(None), os.getpid(), _size()
-        context = get_context("fork")
-        memory = self._lent and used + self._lent
-        self._process = context.Process(target=_copied, args=(parent, memory, work, arguments), daemon=True)
+        copied = os.getpid(), work, arguments
+        self._process = get_context("fork").Process(target=_copied, args=copied, daemon=True)
         self._process.start()
+        self._watched = Watched(self.pid, 0, self._process.kill)
 
     @property
     def pid(self) -> int:
@@ -226,15 +229,14 @@ class Copy:
 
     def end(self) -> None:
         """Kill it, unless it has ended."""
+        self._watched.end()
         self._process.kill()
         self._process.join()
         self._process.close()
-        give_back(self._lent)
 
 
-def _copied(parent: int, memory: int, work: Callable[..., object], arguments: tuple[Any, ...]) -> None:
+def _copied(parent: int, work: Callable[..., object], arguments: tuple[Any, ...]) -> None:
     end_with(parent)
-    _keep_to(memory)
     work(*arguments)
 
 
@@ -248,7 +250,8 @@ def _kill(process: subprocess.Popen[bytes]) -> None:
         os.killpg(process.pid, signal.SIGKILL)
 
 
-def _ended(process: subprocess.Popen[bytes], scratch: Scratch, lent: int) -> None:
+def _ended(process: subprocess.Popen[bytes], scratch: Scratch, watched: Watched) -> None:
+    watched.end()
     _kill(process)
     process.wait()
     for pipe in (process.stdin, process.stdout):
@@ -256,7 +259,6 @@ def _ended(process: subprocess.Popen[bytes], scratch: Scratch, lent: int) -> Non
             with contextlib.suppress(OSError):  # what was never read
                 pipe.close()
     scratch.remove()
-    give_back(lent)
 
 
 def _environment(scratch: Path) -> dict[str, str]:
@@ -282,10 +284,10 @@ def ending_well() -> Iterator[None]:
 
 
 def begin() -> None:
-    """Do first in a module that ``Child`` runs: end with the parent, and keep to the share of its memory."""
+    """Do first in a module that ``Child`` runs: end with the parent, and keep to a limit of memory."""
     parent, memory = map(int, os.environ.pop(CHILD).split())
     end_with(parent)
-    _keep_to(memory)
+    keep_to(memory)
 
 
 def end_with(parent: int) -> None:
@@ -320,51 +322,6 @@ def _foreign(parent: int, memory: int) -> Callable[[], None]:
             prctl(PR_SET_PDEATHSIG, signal.SIGKILL, 0, 0, 0)
             if os.getppid() != parent:
                 os.kill(os.getpid(), signal.SIGKILL)
-        _keep_to(memory)
+        keep_to(memory)
 
     return begun
-
-
-_LENDING = threading.Lock()
-
-
-def lend(memory: int | None) -> int:
-    """Return the bytes that a child may use.
-
-    ``memory``, but at most half of what is left to this process, which has so much less.
-
-    0 stands for any number, where neither has a limit. ``give_back`` what was lent when the child has ended.
-    """
-    soft, hard = resource.getrlimit(resource.RLIMIT_AS)
-    if soft == resource.RLIM_INFINITY:
-        return memory or 0
-    with _LENDING:
-        soft = resource.getrlimit(resource.RLIMIT_AS)[0]
-        half = max(1, (soft - _size()) // 2)
-        lent = half if memory is None else min(memory, half)
-        resource.setrlimit(resource.RLIMIT_AS, (soft - lent, hard))
-    return lent
-
-
-def give_back(lent: int) -> None:
-    """Take back what ``lend`` lent."""
-    with _LENDING:
-        soft, hard = resource.getrlimit(resource.RLIMIT_AS)
-        if soft != resource.RLIM_INFINITY:
-            most = sys.maxsize if hard == resource.RLIM_INFINITY else hard
-            resource.setrlimit(resource.RLIMIT_AS, (min(soft + lent, most), hard))
-
-
-def _keep_to(memory: int) -> None:
-    """Limit the address space of this process; and it writes no core."""
-    if memory:
-        resource.setrlimit(resource.RLIMIT_AS, (memory, memory))
-    resource.setrlimit(resource.RLIMIT_CORE, (0, 0))
-
-
-def _size() -> int:
-    """Bytes of address space of this process, as far as the system tells."""
-    try:
-        return int(Path("/proc/self/statm").read_text(encoding="ascii").split()[0]) * resource.getpagesize()
-    except OSError:
-        return 0

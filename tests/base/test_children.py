@@ -74,18 +74,22 @@ def test_children_and_theirs_die_with_their_parent(family, kind, number):
     assert gone(pids)
 
 
-@pytest.mark.parametrize("count", [1, 2, 4])
-def test_a_process_and_its_children_share_one_limit_of_memory(family, count):
-    limit, own, *shares, after = map(int, family("limited", 1500, count)[1])
-    assert len(shares) == count
-    assert own + sum(shares) == limit
-    assert min(shares) > 20 * MEBIBYTE
-    assert own >= min(shares)
-    assert after == limit
+@pytest.mark.parametrize(("sizes", "ended"), [([90, 160, 120], 1), ([90, 100, 40], None)])
+def test_the_largest_child_is_killed_where_a_process_and_its_children_take_too_much(family, sizes, ended):
+    said = family("limited", 350, *sizes)[1]
+    assert said == ["more_than_350_MB_of_memory" if i == ended else "signal_9" for i in range(3)]
 
 
-def test_without_a_limit_a_child_has_what_it_is_given_and_so_have_its_own():
-    with shell("ulimit -v; (ulimit -v); ulimit -c", memory=300 * MEBIBYTE) as child:
+@pytest.mark.parametrize(("sizes", "why"), [([150, 150], "more than 250 MB of memory"), ([90, 60], None)])
+def test_a_child_and_its_own_share_its_limit(sizes, why):
+    with Child([sys.executable, str(FAMILY), "hungry", *map(str, sizes)], memory=250 * MEBIBYTE) as child:
+        child.read()  # it has taken all, or is killed
+        assert child.rest(1.0)[1] is (why is None)
+        assert child.end() == (why or "signal 9")
+
+
+def test_the_system_holds_a_child_and_its_own_to_the_limit_too():
+    with shell("ulimit -d; (ulimit -d); ulimit -c", memory=300 * MEBIBYTE) as child:
         assert child.rest(PATIENCE)[0].split() == [b"307200", b"307200", b"0"]
 
 

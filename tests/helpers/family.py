@@ -8,12 +8,11 @@ As ``family.py child``, one that sleeps, having started another.
 from __future__ import annotations
 
 import os
-import resource
 import sys
 import time
 from pathlib import Path
 
-from plogic.base import children
+from plogic.base import children, memory
 from plogic.base.children import Child, Copy, begin
 
 HERE = str(Path(__file__).resolve())
@@ -27,21 +26,15 @@ def sleeper():
     time.sleep(600)
 
 
-def hungry():
-    """Begin, take memory until there is none, tell how much of address space that is, and keep it."""
+def hungry(*sizes):
+    """Begin, have children of all but the first size, take so many MB oneself, and keep them."""
     begin()
-    tell(_fed())
+    others = [Child([sys.executable, HERE, "hungry", size]) for size in sizes[1:]]
+    held = [b"x" * (1 << 20) for _ in range(int(sizes[0]))]
+    for child in others:
+        told(child)
+    tell(len(held))
     time.sleep(600)
-
-
-def _fed():
-    held = []
-    try:
-        while True:
-            held.append(bytearray(1 << 20))
-    except MemoryError:
-        soft = resource.getrlimit(resource.RLIMIT_AS)[0]
-    return soft
 
 
 def told(child):
@@ -71,16 +64,14 @@ def parent(kind):
     time.sleep(600)
 
 
-def limited(megabytes, count):
-    """With so much memory: the limits of this process and of so many children, each of which takes all that it gets."""
-    limit = megabytes << 20
-    resource.setrlimit(resource.RLIMIT_AS, (limit, limit))
-    others = [Child([sys.executable, HERE, "hungry"]) for _ in range(count)]
-    shares = [told(child)[0] for child in others]
-    own = resource.getrlimit(resource.RLIMIT_AS)[0]
+def limited(most, *sizes):
+    """With a limit of so many MB and children of these sizes: how each of them ends, where one is ended."""
+    memory.hold(most << 20)
+    others = [Child([sys.executable, HERE, "hungry", str(size)]) for size in sizes]
     for child in others:
-        child.end()
-    tell(limit, own, *shares, resource.getrlimit(resource.RLIMIT_AS)[0])
+        child.read()  # it has taken all, or is killed
+    time.sleep(1.0)
+    tell(*(child.end().replace(" ", "_") for child in others))
 
 
 if __name__ == "__main__":
@@ -90,8 +81,8 @@ if __name__ == "__main__":
     if what.endswith("child"):
         sleeper()
     elif what == "hungry":
-        hungry()
+        hungry(*sys.argv[2:])
     elif what == "limited":
-        limited(int(sys.argv[2]), int(sys.argv[3]))
+        limited(*map(int, sys.argv[2:]))
     else:
         parent(what)

@@ -132,6 +132,7 @@ def read_reply(line: str | bytes) -> dict[str, Any]:
     return reply
 
 
+DEAD = "the process of the inference ended without an answer: {}"
 TOO_DEEP = "the proofs are nested too deeply to be told"
 
 
@@ -225,10 +226,7 @@ def _trusted(request: dict[str, Any], limits: Limits) -> dict[str, Any]:
 
 def _ask(request: dict[str, Any], limits: Limits) -> dict[str, Any]:
     reply = _last(_told(request, limits, late=False))
-    if reply is None:
-        raise errors.LimitError(
-            f"the process of the inference ended without an answer (its limit of memory is {limits.megabytes} MB)"
-        )
+    assert reply is not None  # noqa: S101 - else it has raised
     return reply
 
 
@@ -240,8 +238,11 @@ def _told(request: dict[str, Any], limits: Limits, *, late: bool = True) -> str:
         if not over and (status := child.wait()) > 0 and not told:  # not by a signal, as where memory ran out
             said = (child.last_words().strip().splitlines() or [f"exit status {status}"])[-1]
             raise errors.LimitError(f"the process of the inference could not work: {said[:300]}")
+        ended = child.end()
     if over and not late:
         raise errors.LimitError(f"the inference took longer than {limits.seconds:g} s")
+    if not (over or late or b"\n" in told):
+        raise errors.LimitError(DEAD.format(ended))
     return told.decode()
 
 
@@ -269,11 +270,10 @@ class Process:
         try:
             reply = read_reply(self._talk(running, json.dumps(request).encode() + b"\n"))
         except BaseException as error:  # an interruption, too, must leave no process behind that is at work
+            ended = running.end()
             self.close()
             if isinstance(error, (BrokenPipeError, json.JSONDecodeError)):
-                raise LimitError(
-                    f"the inference stopped without an answer (memory limit {self.limits.megabytes} MB)"
-                ) from None
+                raise LimitError(DEAD.format(ended)) from None
             raise
         if reply.get("error", {}).get("kind") == "LimitError":
             self.close()

@@ -7,10 +7,11 @@ import shutil
 import sys
 import tempfile
 from collections.abc import Iterator
-from contextlib import suppress
 from importlib.util import find_spec
 from pathlib import Path
 
+from plogic.base.errors import InputError
+from plogic.base.memory import VARIABLE, limit, whole
 from plogic.run.health.findings import Finding, size
 
 TOOLS, LIMITS, CONSOLE = "tools", "limits", "console"
@@ -22,7 +23,6 @@ FILES = 128
 """Fewest files that a process should be able to open."""
 SIGNS = "ΓΔΣ ≥ × ·"
 """What commands print beside ASCII."""
-CGROUP = Path("/sys/fs/cgroup/memory.max")
 
 
 def tools() -> Iterator[Finding]:
@@ -77,11 +77,13 @@ def limits() -> Iterator[Finding]:
 
 
 def _memory() -> Finding:
-    """What the machine has, or the container."""
-    whole = os.sysconf("SC_PAGE_SIZE") * os.sysconf("SC_PHYS_PAGES")
-    with suppress(OSError, ValueError):  # no container, or one without a limit
-        whole = min(whole, int(CGROUP.read_text(encoding="ascii")))
-    return Finding(LIMITS, "memory", "fine", f"{size(whole)}, {os.cpu_count()} processors")
+    """What there is, and what a command may take of it."""
+    told = f"{size(whole())}, {os.cpu_count()} processors"
+    try:
+        most = limit(os.environ)
+    except InputError as error:
+        return Finding(LIMITS, "memory", "wrong", f"{told}; {error}", f"unset {VARIABLE}")
+    return Finding(LIMITS, "memory", "fine", f"{told}; a command may take {size(most) if most else 'any part of it'}")
 
 
 def _room() -> Finding:

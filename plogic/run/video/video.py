@@ -30,7 +30,7 @@ PATIENCE = 60.0
 STEP = 64
 """Frames that are decoded before the decoder says that it is alive."""
 MEMORY = 4 * 2**30
-"""Bytes of address space that the decoder may use."""
+"""Bytes that the decoder may use."""
 NO_INDEX = "moov atom not found"
 """What libav says of an MP4 whose end is missing: its index is there."""
 

@@ -12,17 +12,23 @@ import pytest
 from console import BIN, SECONDS, good
 
 EXAMPLES = Path(__file__).parents[3] / "examples"
-SAID = "plogic: out of memory: the input, or the knowledge base, takes more than there is\n"
 
 
-def within(megabytes, *args):
-    """The finished process that had so much address space."""
+def said(megabytes):
+    what = "out of memory: the input, or the knowledge base, takes more than"
+    return f"plogic: {what} the {megabytes} MB that a command may (PLOGIC_MEMORY, ulimit)\n"
+
+
+def within(megabytes, *args, how="address space"):
+    """The finished process that had so much address space, or memory."""
 
     def limit():
-        resource.setrlimit(resource.RLIMIT_AS, (megabytes << 20, megabytes << 20))
+        if how == "address space":
+            resource.setrlimit(resource.RLIMIT_AS, (megabytes << 20, megabytes << 20))
 
     command = [str(BIN / "plogic"), *map(str, args)]
     environment = os.environ | {"OMP_NUM_THREADS": "1", "OPENBLAS_NUM_THREADS": "1"}
+    environment |= {"PLOGIC_MEMORY": str(megabytes)} if how == "memory" else {}
     return subprocess.run(
         command, capture_output=True, text=True, timeout=SECONDS, check=False, preexec_fn=limit, env=environment
     )
@@ -45,17 +51,30 @@ def large(tmp_path_factory):
 
 @pytest.mark.parametrize("megabytes", [150, 200])
 @pytest.mark.parametrize("args", [["worlds"], ["query", "present(h1)"]], ids=lambda args: args[0])
-def test_of_an_interpretation(large, args, megabytes):
+@pytest.mark.parametrize("how", ["address space", "memory"])
+def test_of_an_interpretation(large, args, megabytes, how):
     command, *goal = args
-    run = within(megabytes, command, large / "interpretation.json", *goal)
-    assert (run.returncode, run.stdout, run.stderr) == (1, "", SAID)
+    run = within(megabytes, command, large / "interpretation.json", *goal, how=how)
+    assert (run.returncode, run.stdout, run.stderr) == (1, "", said(megabytes))
+
+
+@pytest.mark.parametrize(
+    ("value", "status"), [("x", 1), ("-1", 1), ("8 GB", 1), ("9" * 40, 1), ("8192", 0), ("0", 0), ("", 0)]
+)
+def test_the_limit_is_a_number_of_megabytes(value, status):
+    command = [str(BIN / "plogic"), "query", str(EXAMPLES / "alarm.pl")]
+    environment = os.environ | {"PLOGIC_MEMORY": value}
+    run = subprocess.run(command, capture_output=True, text=True, timeout=SECONDS, check=False, env=environment)
+    assert run.returncode == status
+    line = f"plogic: PLOGIC_MEMORY={value[:40]!r} should be a number of MB, as 8192, or 0 for no limit\n"
+    assert run.stderr == (line if status else "")
 
 
 @pytest.mark.parametrize("megabytes", [150, 300, 500, 600, 650])
 def test_of_a_gamma(large, megabytes):
     run = within(megabytes, "perceive", large / "gamma.json", "--kb", "towers", "--deadline", 1)
     assert (run.returncode, run.stdout) == (1, "")
-    assert run.stderr == SAID or run.stderr.startswith(
+    assert run.stderr == said(megabytes) or run.stderr.startswith(
         "OpenBLAS error: Memory allocation still failed"
     )  # which ends the process itself
     assert len(run.stderr.splitlines()) == 1
