@@ -2,8 +2,8 @@
 
 ``python -m benchmarks.fuzz.console --count 10000``. An input must end in an exit status of 0 to 3, without a traceback
 or an internal error, in few lines, none of them with a character that a terminal would obey, and within the limits of
-``benchmarks.fuzz.worker``. The command is a copy of this process, which has imported it all, so that it starts at once;
-one in ``FRESH`` is the console script itself.
+``benchmarks.fuzz.worker``. The command is a copy of this process, which has imported what the first run of each needed,
+so that it starts at once; one in ``FRESH`` is the console script itself.
 """
 
 from __future__ import annotations
@@ -17,8 +17,10 @@ import signal
 import sys
 import tempfile
 import warnings
+from contextlib import suppress
 from dataclasses import dataclass
 from functools import partial
+from importlib import import_module
 from itertools import cycle, islice
 from pathlib import Path
 from random import Random
@@ -44,6 +46,8 @@ MOST_LINES = 120
 """Lines on standard error: a hundred mistakes, and what was left out."""
 LONGEST_LINE = 1100
 """Characters of a line on standard error."""
+NEEDED = ".modules"
+"""File of the modules that a run has imported."""
 _OBEYED = re.compile("[\x00-\x08\x0b-\x1f\x7f-\x9f\u061c\u200e\u200f\u2028\u2029\u202a-\u202e\u2066-\u2069]")
 """Characters that a terminal obeys; it may print tabs, and ends of lines."""
 
@@ -160,6 +164,7 @@ def _become(words: Sequence[str], folder: Path, *, fresh: bool) -> None:
 
         traceback.print_exc()
     finally:
+        Path(folder, NEEDED).write_text("\n".join(sys.modules), encoding="utf-8")
         for stream in (sys.stdout, sys.stderr):
             try:
                 stream.flush()
@@ -204,8 +209,18 @@ def runs(count: int, seed: int, folder: Path) -> Iterator[tuple[Command, bytes, 
         path.parent.mkdir(parents=True, exist_ok=True)
         path.write_bytes(data)
         (place / ".in").write_bytes(b"ask present(h1)\nworlds\nwhy present(h1)\n")
-        status, seconds, memory = _run(words_of(command, path, data), place, fresh=i % FRESH == 0)
+        status, seconds, memory = _run(words_of(command, path, data), place, fresh=i % FRESH == 0 and i >= len(every))
+        if i < len(every):
+            _import(place / NEEDED)
         yield command, data, fault_of(status, seconds, memory, place), seconds, memory
+
+
+def _import(needed: Path) -> None:
+    """What a run has imported, so that copies need not: each imported it in vain before."""
+    for name in needed.read_text(encoding="utf-8").splitlines() if needed.exists() else ():
+        if name not in sys.modules:
+            with suppress(Exception):  # one that a library puts there by itself
+                import_module(name)
 
 
 @click.command()
