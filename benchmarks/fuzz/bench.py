@@ -143,7 +143,7 @@ def attack(chosen: Sequence[Kind], plan: Plan, say: Callable[[str], None]) -> li
     tallies = [Tally(kind, [*kind.seeds(), *kept(kind.name)], plan.out, say) for kind in chosen]
     count, seed, jobs = plan.count, plan.seed, plan.jobs
     until = monotonic() + plan.seconds
-    waiting, running = list(tallies), dict[str, _Running]()
+    waiting, running, shown = list(tallies), dict[str, _Running](), 0
     with tempfile.TemporaryDirectory(prefix="plogic-fuzz-") as folder:
         while (waiting and monotonic() < until) or running:
             while waiting and len(running) < jobs and monotonic() < until:
@@ -156,12 +156,11 @@ def attack(chosen: Sequence[Kind], plan: Plan, say: Callable[[str], None]) -> li
                 if rest is None:
                     continue
                 del running[name]
+                shown = _progress(tallies, count, shown, say)
                 if rest < one.lot[2]:
                     running[name] = _Running(one.tally, seed, one.lot[2], one.folder, rest)
                 elif one.tally.tried < count:
                     waiting.append(one.tally)
-                else:
-                    say(f"{name}: {one.tally.tried} inputs, {len(one.tally.faults)} faults, {one.tally.seconds:.0f} s")
     return tallies
 
 
@@ -173,6 +172,15 @@ def warm(chosen: Sequence[Kind]) -> None:
             for data in kind.seeds():
                 path.write_bytes(data)
                 outcome(kind, path, data)
+
+
+def _progress(tallies: Sequence[Tally], count: int, shown: int, say: Callable[[str], None]) -> int:
+    """Say how far it is, at each percent; the percent that was said last."""
+    tried, most = sum(tally.tried for tally in tallies), count * len(tallies)
+    now = 100 * tried // most
+    if now > shown:
+        say(f"{now} %: {tried} of {most} inputs, {sum(len(tally.faults) for tally in tallies)} faults")
+    return now
 
 
 def _after(one: _Running, said: bool) -> int | None:  # noqa: FBT001 - what was seen

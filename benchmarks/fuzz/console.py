@@ -2,8 +2,8 @@
 
 ``python -m benchmarks.fuzz.console --count 10000``. An input must end in an exit status of 0 to 3, without a traceback
 or an internal error, in few lines, none of them with a character that a terminal would obey, and within the limits of
-``benchmarks.fuzz.worker``. The command is a copy of this process, which has imported what the first run of each needed,
-so that it starts at once; one in ``FRESH`` is the console script itself.
+``benchmarks.fuzz.worker``. The command is a copy of this process, which has imported what a first run of each needed, with
+good input, so that it starts at once; one in ``FRESH`` is the console script itself.
 """
 
 from __future__ import annotations
@@ -66,8 +66,12 @@ def _documents(folder: Path) -> None:
     for name in ("gamma", "camera", "interpretation", "poses", "moves", "stereo", "truth", "panorama"):
         (folder / f"{name}.json").write_bytes(seeds.example(f"{name}.json")[0])
     (folder / "box.obj").write_bytes(seeds.meshes("obj")[0])
-    (folder / "x.png").write_bytes(seeds.pictures("png")[1])
-    shutil.copytree(seeds.ROOT / "kb" / "first", folder / "kb", dirs_exist_ok=True)
+    (folder / "x.png").write_bytes(seeds.picture_of_the_camera())
+    (folder / "shelf").mkdir(exist_ok=True)
+    (folder / "shelf" / "7.json").write_bytes(seeds.example("gamma.json")[0])
+    (folder / "ids.json").write_text('{"t1": 1, "t2": 2}', encoding="utf-8")
+    for name, kept in (("first", "kb"), ("towers", "seen")):
+        shutil.copytree(seeds.ROOT / "kb" / name, folder / kept, dirs_exist_ok=True)
 
 
 CAMERAS = "json", "bop", "ros", "opencv", "xml", "colmap", "colmap-bin"
@@ -75,13 +79,13 @@ CAMERAS = "json", "bop", "ros", "opencv", "xml", "colmap", "colmap-bin"
 
 def commands() -> list[Command]:
     """Every command with every kind of input that it reads."""
-    first = ("--kb", "kb")
+    first, seen = ("--kb", "kb"), ("--kb", "seen")  # the types of the second are detected in pictures
     rows: list[tuple[str, tuple[str, ...]]] = [
-        *((f"image-{name}", ("perceive", "{}", *first, "--fov", "60")) for name in ("png", "jpg", "bmp", "gif", "tiff", "webp", "pnm")),
+        *((f"image-{name}", ("perceive", "{}", *seen, "--fov", "60")) for name in ("png", "jpg", "bmp", "gif", "tiff", "webp", "pnm")),
         ("gamma", ("perceive", "{}", *first)),
         ("gamma", ("batch", "{}", *first, "--jobs", "1")),
-        ("stream", ("watch", "{}", *first, "--fov", "60", "--limit", "3")),
-        *((f"camera-{name}", ("perceive", "x.png", *first, "--camera", "{}")) for name in CAMERAS),
+        ("stream", ("watch", "{}", *seen, "--fov", "60", "--limit", "3")),
+        *((f"camera-{name}", ("perceive", "x.png", *seen, "--camera", "{}" if name != "colmap" else "{}#1")) for name in CAMERAS),
         *((f"mesh-{name}", ("kb", "add", "thing", "--mesh", "{}", "--units", "m", *first)) for name in ("obj", "ply", "stl", "off", "gltf", "glb")),
         ("kb.yaml", ("kb", "check", "{kb}")),
         ("object.yaml", ("kb", "show", "{kb}")),
@@ -91,18 +95,18 @@ def commands() -> list[Command]:
         ("stereo", ("perceive", "gamma.json", "gamma.json", *first, "--stereo", "{}")),
         ("moves", ("next-view", "interpretation.json", "--moves", "{}", "-n", "1")),
         ("truth", ("kb", "learn-rates", "{folder}", *first)),
-        ("batch-log", ("batch", "gamma.json", *first, "--jobs", "1", "-o", "{}", "--resume")),
+        ("batch-log", ("batch", "shelf/7.json", *first, "--jobs", "1", "-o", "{}", "--resume")),
         ("program", ("query", "{}", "--deadline", "2")),
-        ("program", ("explain", "{}", "a")),
+        ("program", ("explain", "{}", "calls(mary)")),
         ("goal", ("query", "interpretation.json", "{text}", "--deadline", "2")),
         ("evidence", ("worlds", "interpretation.json", "--given", "{text}", "--deadline", "2")),
         ("rules", ("query", "interpretation.json", "present(H)", "--rules", "{}", "--deadline", "2")),
-        *((name, ("bop", "dataset", *first, "-o", "results.csv")) for name in ("bop-camera", "bop-truth", "bop-visibility", "bop-targets")),
+        *((name, ("bop", "dataset", *seen, "-o", "a.csv", "--ids", "ids.json")) for name in ("bop-camera", "bop-truth", "bop-visibility", "bop-targets")),
         ("bop-models", ("kb", "import", "{folder}", *first)),
-        ("bop-ids", ("bop", "dataset", *first, "-o", "results.csv", "--ids", "{}")),
+        ("bop-ids", ("bop", "dataset", *seen, "-o", "a.csv", "--ids", "{}")),
         ("urdf", ("kb", "import", "{}", *first)),
         ("sdf", ("kb", "import", "{}", *first)),
-        ("panorama", ("kb", "assimilate", "{}", *first, "--name", "thing")),
+        ("panorama", ("kb", "assimilate", "{}", "u1", *first, "--name", "thing")),
         ("panorama", ("next-view", "{}", "-n", "1")),
     ]  # fmt: skip
     rows += [(f"interpretation-{name}", tuple(words)) for name, words in ASKED.items()]
@@ -122,34 +126,35 @@ def words_of(command: Command, path: Path, data: bytes) -> list[str]:
     """The command's words for one input."""
     above = next((p for p in path.parents if (p / "kb.yaml").exists()), path.parent)
     text = data.decode("utf-8", "replace").replace("\0", "")[:60_000]
-    said = {"{}": str(path), "{kb}": str(above), "{folder}": str(path.parent), "{text}": text}
+    said = {"{}": str(path), "{}#1": f"{path}#1", "{kb}": str(above), "{folder}": str(path.parent), "{text}": text}
     return [said.get(word, word) for word in command.words]
 
 
 # -- one run -----------------------------------------------------------------------------------------------------------
 
 
-def _run(words: Sequence[str], folder: Path, *, fresh: bool) -> tuple[int, float, int]:
+def _run(words: Sequence[str], folder: Path, how: str) -> tuple[int, float, int]:
     """Exit status (negative: a signal), processor seconds and bytes of memory at worst, its children counted."""
     number = os.fork()
     if number == 0:
-        _become(words, folder, fresh=fresh)
+        _become(words, folder, how)
     _, status, used = os.wait4(number, 0)
     return os.waitstatus_to_exitcode(status), used.ru_utime + used.ru_stime, used.ru_maxrss * 1024
 
 
-def _become(words: Sequence[str], folder: Path, *, fresh: bool) -> None:
+def _become(words: Sequence[str], folder: Path, how: str) -> None:
     """In the copy: be the command, and end."""
     code = 70
     try:
         os.setsid()
         signal.alarm(WAITED)
-        resource.setrlimit(resource.RLIMIT_CPU, (int(SLOW) + 1, int(SLOW) + 1))
+        if how != "first":  # which may compile
+            resource.setrlimit(resource.RLIMIT_CPU, (int(SLOW) + 1, int(SLOW) + 1))
         resource.setrlimit(resource.RLIMIT_CORE, (0, 0))
         os.chdir(folder)
         for i, name in enumerate(("in", "out", "err")):
             os.dup2(os.open(f".{name}", os.O_RDWR | os.O_CREAT | (os.O_TRUNC if i else 0), 0o600), i)
-        if fresh:
+        if how == "script":
             os.execv(shutil.which("plogic") or "", ["plogic", *words])  # noqa: S606 - our own
         sys.argv = ["plogic", *words]
         sys.stdin, sys.stdout, sys.stderr = (os.fdopen(i, mode, encoding="utf-8") for i, mode in enumerate("rww"))
@@ -194,6 +199,10 @@ def fault_of(status: int, seconds: float, memory: int, folder: Path) -> str | No
 def runs(count: int, seed: int, folder: Path) -> Iterator[tuple[Command, bytes, str | None, float, int]]:
     """Each run: the command, the input, what was wrong, processor seconds and memory."""
     known, every = kinds(), commands()
+    for command in every:
+        kind = known[command.kind]
+        _once(command, kind, kind.seeds()[0], folder / "run", "first")
+        _import(folder / "run" / NEEDED)
     made = {}
     for i, command in enumerate(islice(cycle(every), count)):
         kind = known[command.kind]
@@ -201,22 +210,24 @@ def runs(count: int, seed: int, folder: Path) -> Iterator[tuple[Command, bytes, 
             rng = Random(f"{command.kind} {command.words} {seed}").randrange(1 << 30)  # noqa: S311 - no secret
             made[command] = inputs(kind, rng, 1, kind.seeds(), count // len(every) + 2)
         data = next(made[command])
-        place = folder / "run"
-        shutil.rmtree(place, ignore_errors=True)
-        place.mkdir()
-        command.beside(place)
-        path = place / kind.file
-        path.parent.mkdir(parents=True, exist_ok=True)
-        path.write_bytes(data)
-        (place / ".in").write_bytes(b"ask present(h1)\nworlds\nwhy present(h1)\n")
-        status, seconds, memory = _run(words_of(command, path, data), place, fresh=i % FRESH == 0 and i >= len(every))
-        if i < len(every):
-            _import(place / NEEDED)
-        yield command, data, fault_of(status, seconds, memory, place), seconds, memory
+        status, seconds, memory = _once(command, kind, data, folder / "run", "copy" if i % FRESH else "script")
+        yield command, data, fault_of(status, seconds, memory, folder / "run"), seconds, memory
+
+
+def _once(command: Command, kind: Kind, data: bytes, place: Path, how: str) -> tuple[int, float, int]:
+    """One run in a new folder: exit status, processor seconds and memory."""
+    shutil.rmtree(place, ignore_errors=True)
+    place.mkdir()
+    command.beside(place)
+    path = place / kind.file
+    path.parent.mkdir(parents=True, exist_ok=True)
+    path.write_bytes(data)
+    (place / ".in").write_bytes(b"ask present(h1)\nworlds\nwhy present(h1)\n")
+    return _run(words_of(command, path, data), place, how)
 
 
 def _import(needed: Path) -> None:
-    """What a run has imported, so that copies need not: each imported it in vain before."""
+    """What a run has imported, so that copies need not."""
     for name in needed.read_text(encoding="utf-8").splitlines() if needed.exists() else ():
         if name not in sys.modules:
             with suppress(Exception):  # one that a library puts there by itself

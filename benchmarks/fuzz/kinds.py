@@ -324,7 +324,7 @@ def _kinds() -> list[Kind]:
         Kind("gamma", as_json, partial(seeds.example, "gamma.json"), "gamma.json", _gamma),
         Kind("poses", as_json, partial(seeds.example, "poses.json"), "poses.json", _poses),
         Kind("poses-tum", as_text, seeds.trajectory, "poses.txt", _poses),
-        Kind("moves", as_json, partial(seeds.example, "moves.json"), "moves.json", _moves),
+        Kind("moves", as_json, seeds.moves, "moves.json", _moves),
         Kind("stereo", as_json, partial(seeds.example, "stereo.json"), "stereo.json", _stereo),
         Kind("truth", as_json, partial(seeds.example, "truth.json"), "truth.json", _truth),
         Kind("stream", as_bytes, seeds.streams, "stream", _stream),
@@ -347,7 +347,7 @@ def _kinds() -> list[Kind]:
     ]
     foreign += [
         Kind("bop-models", as_json, seeds.bop_models_info, "models/models_info.json", _bop_models, seeds.bop_models),
-        Kind("bop-ids", as_json, lambda: [b'{"box": 1, "t1": 2}'], "ids.json", _ids),
+        Kind("bop-ids", as_json, lambda: [b'{"t1": 1, "t2": 2}'], "ids.json", _ids),
         Kind("urdf", as_xml, seeds.urdf, "robot.urdf", _urdf, seeds.robot_mesh),
         Kind("sdf", as_xml, seeds.sdf, "model.sdf", _sdf, seeds.robot_mesh),
     ]

@@ -58,6 +58,16 @@ def pictures(kind: str) -> Sequence[bytes]:
     return made
 
 
+@cache
+def picture_of_the_camera() -> bytes:
+    """A grey box on black, of the size of the cameras' pictures."""
+    import cv2
+
+    image = np.zeros((480, 640), np.uint8)
+    image[180:300, 250:400] = 120
+    return bytes(cv2.imencode(".png", image)[1])
+
+
 def exif() -> bytes:
     """The segment of a JPEG that tells its focal length and its orientation."""
     entries = ((0x0112, 3, 1, 1 << 16), (0x8769, 4, 1, 38))
@@ -206,9 +216,15 @@ def point_rows() -> Sequence[bytes]:
     return [b"u,v,x,y,z\n10,20,0,0,0\n30,40.5,0.1,0,0 # a corner\n1;2;3;4;5\n"]
 
 
+def moves() -> Sequence[bytes]:
+    """Moves from the present camera, and in the world."""
+    document = json.loads(example("moves.json")[0])
+    return [json.dumps(document | {"moves": some}).encode() for some in (document["moves"][:1], document["moves"])]
+
+
 def trajectory() -> Sequence[bytes]:
     """A trajectory of the TUM format."""
-    return [b"# time x y z qx qy qz qw\n1.5 0 0 1 0 0 0 1\n2.5 0.1 0 1 0 0 0.7071 0.7071\nframe.png 1 2 3 0 1 0 0\n"]
+    return [b"# time x y z qx qy qz qw\n1.5 0 0 1 0 0 0 1\n2.5 0.1 0 1 0 0 0.7071 0.7071\ngamma.json 1 2 3 0 1 0 0\n"]
 
 
 @cache
@@ -246,7 +262,7 @@ def goals() -> Sequence[bytes]:
 
 def evidence() -> Sequence[bytes]:
     """Lines of evidence."""
-    return [b"present(h1)\n\\+ noise(a1)\n", b"object(h1, box)\n", b"cause(a1, h1, F)\n"]
+    return [b"object(h1, box)\n", b"present(h1)\n\\+ noise(a1)\n", b"cause(a1, h1, F)\n"]
 
 
 # -- others' formats ---------------------------------------------------------------------------------------------------
