@@ -2,8 +2,8 @@
 
 ``python -m benchmarks.fuzz.console --count 10000``. An input must end in an exit status of 0 to 3, without a traceback
 or an internal error, in few lines, none of them with a character that a terminal would obey, and within the limits of
-``benchmarks.fuzz.worker``. The command is a copy of this process, which has imported what a first run of each needed, with
-good input, so that it starts at once; one in ``FRESH`` is the console script itself.
+``benchmarks.fuzz.worker``. The command is a copy of this process, which has imported what a first run of each
+needed, with good input, so that it starts at once; one in ``FRESH`` is the console script itself.
 """
 
 from __future__ import annotations
@@ -101,7 +101,7 @@ def commands() -> list[Command]:
         ("goal", ("query", "interpretation.json", "{text}", "--deadline", "2")),
         ("evidence", ("worlds", "interpretation.json", "--given", "{text}", "--deadline", "2")),
         ("rules", ("query", "interpretation.json", "present(H)", "--rules", "{}", "--deadline", "2")),
-        *((name, ("bop", "dataset", *seen, "-o", "a.csv", "--ids", "ids.json")) for name in ("bop-camera", "bop-truth", "bop-visibility", "bop-targets")),
+        *((f"bop-{name}", ("bop", "dataset", *seen, "-o", "a.csv", "--ids", "ids.json")) for name in ("camera", "truth", "visibility", "targets")),
         ("bop-models", ("kb", "import", "{folder}", *first)),
         ("bop-ids", ("bop", "dataset", *seen, "-o", "a.csv", "--ids", "{}")),
         ("urdf", ("kb", "import", "{}", *first)),
