@@ -2,84 +2,30 @@
 
 A child ends when the process that started it ends, by SIGKILL too. Its memory is a share of that process's limit. It
 can be waited for among others, and is killed with all that it started. The folder that it writes in is removed, if need
-be by the next process that starts one.
+be by the next process that makes one (``geometry.files.begun``).
 
 * ``with Child(python("plogic.logic.served.program_child"), told=request) as child: child.rest(seconds=5.0)``
 * ``heard([one, other], 1.0)``: those that say something within a second; the others may be ended
 * ``Copy(work, argument)``: a copy of this process, which calls ``work``
-* ``Scratch()``: a folder that goes when its process does, by itself or by the next process that makes such a folder
 """
 
 import contextlib
 import ctypes
-import fcntl
 import os
 import resource
 import select
-import shutil
 import signal
 import subprocess
 import sys
-import tempfile
 import threading
 import weakref
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from pathlib import Path
 from threading import Thread
-from time import monotonic, sleep, time
+from time import monotonic, sleep
 from typing import Any, Self
 
-PREFIX = "plogic-child-"
-LOCK = ".lock"
-"""A file of the folder that is locked as long as somebody uses it."""
-YOUNG = 60.0
-"""Seconds after which a folder that nobody has locked is left over: its maker may be about to."""
-
-
-class Scratch:
-    """A new folder, which is this process's."""
-
-    def __init__(self) -> None:
-        """Sweep what others left, and make the folder."""
-        sweep()
-        self.folder = Path(tempfile.mkdtemp(prefix=PREFIX))
-        self._lock = os.open(self.folder / LOCK, os.O_CREAT | os.O_RDWR | os.O_CLOEXEC)
-        fcntl.flock(self._lock, fcntl.LOCK_EX)
-
-    def remove(self) -> None:
-        """Remove it with all that is in it."""
-        shutil.rmtree(self.folder, ignore_errors=True)
-        os.close(self._lock)
-
-
-def sweep() -> None:
-    """Remove the folders of processes that were killed."""
-    for folder in left_over():
-        shutil.rmtree(folder, ignore_errors=True)
-
-
-def left_over() -> Iterator[Path]:
-    """The folders of processes that were killed. Whoever has the lock of one is alive."""
-    for folder in Path(tempfile.gettempdir()).glob(f"{PREFIX}*"):
-        with contextlib.suppress(OSError):  # another's, or gone meanwhile
-            if time() - folder.stat().st_mtime > YOUNG and _is_left(folder):
-                yield folder
-
-
-def _is_left(folder: Path) -> bool:
-    """Whether nobody has its lock."""
-    try:
-        lock = os.open(folder / LOCK, os.O_RDWR | os.O_CLOEXEC)
-    except FileNotFoundError:  # its maker was killed before
-        return True
-    try:
-        fcntl.flock(lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
-    except BlockingIOError:
-        return False
-    finally:
-        os.close(lock)
-    return True
-
+from geometry.files.begun import scratch
 
 LARGEST_READ = 1 << 20
 """Bytes that are read at a time."""
@@ -119,9 +65,9 @@ class Child:
         files: Mapping[str, bytes] | None = None,
         foreign: bool = False,
     ) -> None:
-        scratch, lent = Scratch(), 0 if foreign and memory is None else lend(memory)
-        self.folder, parent = scratch.folder, os.getpid()
+        made, lent = contextlib.ExitStack(), 0 if foreign and memory is None else lend(memory)
         try:
+            self.folder, parent = made.enter_context(scratch()), os.getpid()
             for name, data in {**(files or {}), **({} if told is None else {".told": told})}.items():
                 (self.folder / name).write_bytes(data)
             environment = _environment(self.folder) | dict(variables or {}) | {CHILD: f"{parent} {lent}"}
@@ -139,10 +85,10 @@ class Child:
                     preexec_fn=_foreign(parent, lent) if foreign else None,  # noqa: PLW1509 - of one thread, or without locks
                 )
         except BaseException:
-            scratch.remove()
+            made.close()
             give_back(lent)
             raise
-        self._end = weakref.finalize(self, _ended, self._process, scratch, lent)
+        self._end = weakref.finalize(self, _ended, self._process, made, lent)
 
     def __enter__(self) -> Self:
         return self
@@ -248,14 +194,14 @@ def _kill(process: subprocess.Popen[bytes]) -> None:
         os.killpg(process.pid, signal.SIGKILL)
 
 
-def _ended(process: subprocess.Popen[bytes], scratch: Scratch, lent: int) -> None:
+def _ended(process: subprocess.Popen[bytes], made: contextlib.ExitStack, lent: int) -> None:
     _kill(process)
     process.wait()
     for pipe in (process.stdin, process.stdout):
         if pipe is not None:
             with contextlib.suppress(OSError):  # what was never read
                 pipe.close()
-    scratch.remove()
+    made.close()
     give_back(lent)
 
 
