@@ -3,6 +3,7 @@
 import io
 import os
 import sys
+from errno import EDQUOT, EFBIG, EMFILE, ENFILE, ENOSPC, EROFS
 from pathlib import Path
 from typing import Any
 
@@ -46,6 +47,8 @@ from plogic.face.shown.printed import emit, hand_over, let_go, open_streams, say
 
 NO_MEMORY = "failed to map segment", "Cannot allocate memory", "Insufficient memory", "can't start new thread"
 """What libraries say in whose errors memory ran out."""
+NO_ROOM = ENOSPC, EDQUOT, EFBIG, EROFS, EMFILE, ENFILE
+"""Of a system's errors: nothing can be written, whatever we do."""
 
 
 @click.group(context_settings={"help_option_names": ["-h", "--help"], "max_content_width": 100})
@@ -370,6 +373,8 @@ def _told(error: Exception) -> list[str]:
     what = " ".join(f"{type(error).__name__}: {error}".split())
     if isinstance(error, MemoryError) or any(sign in what for sign in NO_MEMORY):
         return ["out of memory: the input, or the knowledge base, takes more than there is"]
+    if isinstance(error, OSError) and error.errno in NO_ROOM:
+        return [f"{error.filename or 'a scratch file'}: cannot be written: {error.strerror}"]
     return [f"internal error: {what} (please report it with the traceback that PLOGIC_TRACEBACK=1 shows)"]
 
 

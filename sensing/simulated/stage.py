@@ -233,7 +233,7 @@ def _add_body(bullet: Any, number: int, body: Body, light: Light, texture_file: 
         0, baseVisualShapeIndex=shape, basePosition=at, baseOrientation=quat, physicsClientId=number
     )
     if mesh.texture is not None:
-        cv2.imwrite(str(texture_file), mesh.texture)
+        texture_file.write_bytes(cv2.imencode(".png", mesh.texture)[1].tobytes())
         texture = bullet.loadTexture(str(texture_file), physicsClientId=number)
         bullet.changeVisualShape(placed, -1, textureUniqueId=texture, physicsClientId=number)
     return placed

@@ -52,8 +52,8 @@ def _cache(folder: Path, *, fix: bool) -> Iterator[Finding]:
 
 def _compiled(*, fix: bool) -> Iterator[Finding]:
     """What numba keeps of our loops: an index (.nbi) a function, which is a pickle, and code (.nbc)."""
-    places = [place / "__pycache__" for place in (ROOT / "sensing/views", ROOT / "sensing/pixels")]
-    files = sorted(file for place in places if place.is_dir() for file in place.glob("loops.*.nb[ic]"))
+    places = [ROOT / "sensing" / room / "__pycache__" for room in ("detectors", "pixels", "views")]
+    files = sorted(file for place in places if place.is_dir() for file in place.glob("*.nb[ic]"))
     torn = [file for file in files if not _is_pickle(file)]
     what = f"{counted(len(files), 'file', 'files')} of compiled loops, {size(sum(map(bytes_of, files)))}"
     if torn:
