@@ -82,7 +82,7 @@ class Child:
                     cwd=folder or self.folder,
                     env=environment,
                     start_new_session=True,
-                    preexec_fn=_foreign(parent, lent) if foreign else None,  # noqa: PLW1509 - of one thread, or without locks
+                    preexec_fn=_bound(parent, lent if foreign else 0),  # noqa: PLW1509 - of one thread, or without locks
                 )
         except BaseException:
             made.close()
@@ -257,8 +257,8 @@ def _watch(parent: int) -> None:
     os.kill(os.getpid(), signal.SIGKILL)
 
 
-def _foreign(parent: int, memory: int) -> Callable[[], None]:
-    """What a program that is not ours does before it starts, as far as its system can: a thread would not survive."""
+def _bound(parent: int, memory: int) -> Callable[[], None]:
+    """What a child does before its program starts, as far as its system can: Python takes long until ``begin``."""
     prctl = getattr(ctypes.CDLL(None), "prctl", None)
 
     def begun() -> None:

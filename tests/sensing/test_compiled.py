@@ -16,10 +16,10 @@ def added(a, b):
     return a + b
 """
 CUT = {
-    "empty": lambda data: b"",
+    "empty": lambda _: b"",
     "cut": lambda data: data[:-20],
     "cut at its head": lambda data: data[:3],
-    "of something else": lambda data: pickle.dumps(3),
+    "of something else": lambda _: pickle.dumps(3),
 }
 
 
