@@ -3,6 +3,7 @@
 import io
 import os
 import sys
+from errno import EDQUOT, EFBIG, EMFILE, ENFILE, ENOSPC, EROFS
 from pathlib import Path
 from typing import Any
 
@@ -51,6 +52,8 @@ LIMITED = (
     f"A command and all processes that it starts take no more memory together than {LEAST >> 30} GiB and"
     f" {EACH >> 30} GiB for each processor, and at most {100 * OF_ALL:g} % of what there is; {VARIABLE}=MB sets another limit."
 )
+NO_ROOM = ENOSPC, EDQUOT, EFBIG, EROFS, EMFILE, ENFILE
+"""Of a system's errors: nothing can be written, whatever we do."""
 
 
 @click.group(context_settings={"help_option_names": ["-h", "--help"], "max_content_width": 100}, epilog=LIMITED)
@@ -377,6 +380,8 @@ def _told(error: Exception) -> list[str]:
     if isinstance(error, MemoryError) or any(sign in what for sign in NO_MEMORY):
         than = f"the {held() >> 20} MB that a command may ({VARIABLE}, ulimit)" if held() else "there is"
         return [f"out of memory: the input, or the knowledge base, takes more than {than}"]
+    if isinstance(error, OSError) and error.errno in NO_ROOM:
+        return [f"{error.filename or 'a scratch file'}: cannot be written: {error.strerror}"]
     return [f"internal error: {what} (please report it with the traceback that PLOGIC_TRACEBACK=1 shows)"]
 
 

@@ -11,6 +11,8 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
+from kb.files.changes import CHANGE, LOCK
+
 ROOT = Path(__file__).parents[2]
 SIDES = np.array([0.12, 0.2, 0.08])
 """Of a box, m."""
@@ -57,6 +59,7 @@ SAID = {
     "--paper",
     "--look-again",
     "--html",
+    "--fix",
     "new",
     "all",
     "fresh",
@@ -79,6 +82,8 @@ def commands() -> list[Command]:
         _command("kb learn box --photo photo.png --points points.csv --jobs 1 --kb kb", "kb", Kind.KB, "photo"),
         _command("kb learn-rates story --kb book", "book", Kind.KB, "rates"),
         _command("kb assimilate panorama.json u1 --name draft --kb bare", "bare", Kind.KB, "unknown"),
+        _command("kb check half", "half", Kind.KB, "half"),
+        _command("doctor --fix --kb half", "half", Kind.KB, "half"),
         _command("kb show towers t1 --html page.html", "page.html", Kind.FILES, ""),
         _command(asked, "i.out page.html seen.png", Kind.FILES, ""),  # the seconds of t.json are never the same
         _command("report i.json -o page.html", "page.html", Kind.FILES, "asked"),
@@ -162,6 +167,15 @@ def _unknown(folder: Path, well: Well) -> None:
     well(folder, f"perceive {frames} --poses tour/poses.json --kb bare -o panorama.json")
 
 
+def _half(folder: Path, well: Well) -> None:
+    """A knowledge base whose writer was killed when its change was in force and not moved."""
+    well(folder, "kb new half")
+    change = folder / "half" / CHANGE
+    change.mkdir()
+    (change / "kb.yaml").write_text((folder / "half" / "kb.yaml").read_text() + "# changed\n")
+    (folder / "half" / LOCK).write_text("1")
+
+
 NEEDS: dict[str, Callable[[Path, Well], None]] = {
     "types": _types,
     "learned": _learned,
@@ -170,6 +184,7 @@ NEEDS: dict[str, Callable[[Path, Well], None]] = {
     "scene": _scene,
     "rates": _rates,
     "unknown": _unknown,
+    "half": _half,
 }
 
 

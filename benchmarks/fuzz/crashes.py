@@ -1,11 +1,12 @@
 """Commands that write, killed at each of their operations on files: what is read afterwards is the old or the new.
 
-``python -m benchmarks.fuzz.crashes`` kills every command of ``commands()`` at each operation; ``--most 6``: at so many,
-evenly chosen. A command runs in a copy (fork) of a process that has imported everything. CPython itself tells each file
-that is opened to be written, renamed or removed (``sys.addaudithook``); what is written and synced is counted by
-stand-ins of ``open``, ``os.write`` and ``os.fsync``. Before the operation whose turn it is the process kills itself
-with SIGKILL; of a write, half is done first.
+``python -m benchmarks.fuzz.crashes`` tries every command of ``commands()`` at each operation; ``--most 6``: at so many,
+evenly chosen. A command runs once, in a copy (fork) of a process that has imported everything, and before each of its
+operations what lies in its folder is copied: what a kill would leave, as the kernel has it. Of a write, half is done in
+the copy. Each copy that is like no other is then looked at, and the command is run again there. One kill of each
+command, at an operation drawn by its name, is a kill in earnest, which must leave what was copied.
 
+* ``states``: how many copies were like no other
 * ``old``, ``new``: kills after which everything that the command writes was as before, or as without a kill
 * ``torn``: kills after which it was neither: a knowledge base is what ``read_kb`` makes of it, a file its bytes
 * ``left``: kills after which the same command, run again, did not end with the files of a run without a kill
@@ -14,13 +15,10 @@ with SIGKILL; of a write, half is done first.
 from __future__ import annotations
 
 import argparse
-import builtins
 import gc
-import io
 import json
 import os
 import pkgutil
-import shutil
 import signal
 import subprocess
 import sys
@@ -32,100 +30,13 @@ from dataclasses import dataclass
 from hashlib import sha256
 from importlib import import_module
 from pathlib import Path
+from random import Random
+from time import monotonic
 from typing import Any, NoReturn
 
 from benchmarks.fuzz.crash_commands import ROOT, Command, Kind, commands, prepare
+from benchmarks.fuzz.crash_hook import FILE, Held, Hook, alike, held, kept, laid
 from plogic.face.shown.tables import plain_table
-
-AUDITED = {
-    "open": 0, "os.rename": 1, "os.remove": 0, "os.rmdir": 0, "os.mkdir": 0, "os.truncate": 0, "os.chmod": 0,
-    "os.link": 1, "os.symlink": 1,
-}  # fmt: skip
-"""Operations that CPython tells, and which of what it tells is the place."""
-WRITES = os.O_WRONLY | os.O_RDWR | os.O_CREAT | os.O_TRUNC
-
-
-class Hook:
-    """Counts a process's operations on files in ``folder``; kills it at the one numbered ``last``, from 1."""
-
-    def __init__(self, folder: Path, last: int | None, note: int) -> None:
-        """``note``: a descriptor that every operation is told to, a line each."""
-        self._folder, self._last, self._note = f"{folder}{os.sep}", last, note
-        self._count, self._pid = 0, os.getpid()
-        self._write, self._open, self._sync, self._cut = os.write, io.open, os.fsync, os.ftruncate
-
-    def install(self) -> None:
-        """From now on, for good."""
-        sys.addaudithook(self._audited)
-        io.open = builtins.open = self._opened
-        os.fsync, os.ftruncate = self._synced, self._shortened
-        os.write = self._written  # type: ignore[assignment]
-
-    def step(self, what: str, place: object, half: Callable[[], object] | None = None) -> None:
-        """An operation is next; where it is the last, ``half`` of it is done and the process ends."""
-        if os.getpid() != self._pid or not self._concerns(place):
-            return
-        self._count += 1
-        self._write(self._note, f"{what} {self._place(place)}\n".encode())
-        if self._count == self._last:
-            if half is not None:
-                half()
-            os.kill(self._pid, signal.SIGKILL)
-
-    def _concerns(self, place: object) -> bool:
-        return (self._place(place) or "").startswith(self._folder)
-
-    def _place(self, place: object) -> str | None:
-        if isinstance(place, int):
-            try:
-                return str(Path(f"/proc/self/fd/{place}").readlink())
-            except OSError:
-                return None
-        return str(Path.cwd() / os.fsdecode(place)) if isinstance(place, str | bytes | os.PathLike) else None
-
-    def _audited(self, event: str, told: tuple[Any, ...]) -> None:
-        which = AUDITED.get(event)
-        if which is None or (event == "open" and not told[2] & WRITES):
-            return
-        place, folder = told[which], told[-1]
-        if event in ("os.remove", "os.rmdir") and isinstance(folder, int) and folder >= 0:
-            place = f"{self._place(folder)}/{os.fsdecode(place)}"
-        self.step(event, place)
-
-    def _synced(self, fd: Any) -> None:  # noqa: ANN401 - as os.fsync
-        self.step("fsync", fd)
-        self._sync(fd)
-
-    def _shortened(self, fd: int, length: int) -> None:
-        self.step("truncate", fd)
-        self._cut(fd, length)
-
-    def _written(self, file: int, data: bytes) -> int:
-        self.step("write", file, lambda: self._write(file, bytes(data)[: len(data) // 2]))
-        return self._write(file, data)
-
-    def _opened(self, file: Any, mode: str = "r", buffering: int = -1, *more: Any, **named: Any) -> Any:  # noqa: ANN401 - as open
-        if not set(mode) & set("wax+") or not self._concerns(file):
-            return self._open(file, mode, buffering, *more, **named)
-        own = {key: named.pop(key) for key in ("closefd", "opener") if key in named}
-        raw = _Raw(file, mode.replace("b", "").replace("t", ""), **own)
-        raw.hook = self
-        if buffering == 0:
-            return raw
-        held = io.BufferedRandom(raw) if "+" in mode else io.BufferedWriter(raw)
-        return held if "b" in mode else io.TextIOWrapper(held, *more, **named)
-
-
-class _Raw(io.FileIO):
-    """A file whose writes are counted."""
-
-    hook: Hook
-
-    def write(self, data: Any) -> int:  # noqa: ANN401 - any buffer
-        """As ``io.FileIO`` does."""
-        some = memoryview(data).cast("B")
-        self.hook.step("write", self.fileno(), lambda: super(_Raw, self).write(some[: len(some) // 2]))
-        return super().write(some) or 0
 
 
 def copied(work: Callable[[], object], said: Path | None = None) -> int:
@@ -158,7 +69,6 @@ def run(command: Sequence[str], folder: Path, stdin: str | None = None, hook: Ho
     os.dup2(os.open(stdin or os.devnull, os.O_RDONLY), 0)
     sys.argv = ["plogic", *command]
     if hook is not None:
-        hook._pid = os.getpid()  # noqa: SLF001 - it was made before the copy
         hook.install()
     main()
 
@@ -214,18 +124,23 @@ def _read(folder: Path) -> str:
 
 @dataclass(frozen=True)
 class Tried:
-    """A command's operations, a line each, and what each kill before one of them left."""
+    """A command's operations, a line each, and what each kill before one of them left.
+
+    ``states``: how many of the kills leave what no other leaves.
+    """
 
     command: Command
     operations: list[str]
     found: dict[int, str]
     left: dict[int, list[str]]
+    states: int
+    seconds: float
 
     def row(self) -> dict[str, Any]:
         """For the table."""
         counts = {what: sum(found == what for found in self.found.values()) for what in ("old", "new", "torn")}
         kills = {"command": self.command.name, "operations": len(self.operations), "kills": sum(counts.values())}
-        return kills | counts | {"left": len(self.left)}
+        return kills | {"states": self.states} | counts | {"left": len(self.left), "s": round(self.seconds, 1)}
 
     def lines(self) -> Iterator[str]:
         """Where it was torn, and what was left."""
@@ -238,28 +153,47 @@ class Trial:
     """A command in the folder ``work/run``, which begins as ``before``."""
 
     def __init__(self, command: Command, before: Path, work: Path) -> None:
-        self._command, self._before, self._work, self._folder = command, before, work, work / "run"
-        self._first(1)
-        self._old, _ = self._looked()
-        if self._first(None):
+        self._command, self._work, self._folder, self._blobs = command, work, work / "run", work / "blobs"
+        self._blobs.mkdir(exist_ok=True)
+        self._before = held(before, self._blobs)
+        if command.kind is Kind.FILES:
+            old = {name for name in command.outputs if "." in name and name in command.arguments}
+            self._before |= dict.fromkeys(old, (FILE, kept(b"old", self._blobs)))
+        laid(self._before, self._folder, self._blobs)
+        if self._ran(command.arguments, blobs=self._blobs):
             raise RuntimeError(f"{command.name}: {(work / 'said').read_text()}")
-        self.operations = (work / "operations").read_text().splitlines()
-        self._new, self._every = self._looked()
+        told = [json.loads(line) for line in (work / "operations").read_text().splitlines()]
+        self.operations = [str(row["what"]) for row in told]
+        self._left: list[Held] = [row["held"] for row in told]
+        self._after = held(self._folder, self._blobs)
+        self._new = self._looked()
+        laid(self._before, self._folder, self._blobs)
+        self._old = self._looked()
+        self._known = dict[str, tuple[str, list[str]]]()
+
+    @property
+    def states(self) -> int:
+        """How many different states were looked at."""
+        return len(self._known)
 
     def killed(self, last: int) -> tuple[str, list[str]]:
-        """Whether old, new or torn was found after a kill before an operation, and what was left in the end.
+        """Whether old, new or torn is found after a kill before an operation, and what is left in the end."""
+        state = alike(self._left[last - 1])
+        if state not in self._known:
+            self._known[state] = self._judged(self._left[last - 1])
+        return self._known[state]
 
-        "missed" where a command of several processes came to its end with fewer operations than the first time.
-        """
-        status = self._first(last)
-        if not status and self._command.kind is Kind.LOG:
-            return "missed", []
-        if status != -signal.SIGKILL:
-            raise RuntimeError(f"{self._command.name}: has fewer than {last} operations the second time")
-        now = self._looked()[0]
-        self._ran(None, self._command.again or self._command.arguments)
-        after, every = self._looked()
-        left = sorted(set(every) ^ set(self._every))
+    def _judged(self, found: Held) -> tuple[str, list[str]]:
+        if alike(found) == alike(self._after):
+            return "new", []
+        if alike(found) == alike(self._before):  # from which the first run went
+            return "old", []
+        laid(found, self._folder, self._blobs)
+        now = self._looked()
+        laid(found, self._folder, self._blobs)  # once more: who reads a knowledge base moves what is left
+        self._ran(self._command.again or self._command.arguments)
+        after, every = self._looked(), held(self._folder, self._blobs)
+        left = sorted(set(every) ^ set(self._after))
         left += [f"{name}: is another" for name in self._new if after.get(name) != self._new[name]]
         if self._command.kind is Kind.LOG:
             return ("torn" if after != self._new else "new" if now == self._new else "old"), left
@@ -270,34 +204,34 @@ class Trial:
             mixed = now not in (self._old, self._new)
         return "torn" if mixed else "new" if now == self._new else "old", left
 
-    def _first(self, last: int | None) -> int:
-        shutil.rmtree(self._folder, ignore_errors=True)
-        shutil.copytree(self._before, self._folder)
-        if self._command.kind is Kind.FILES:
-            for name in self._command.outputs:
-                if "." in name and name in self._command.arguments:
-                    (self._folder / name).write_bytes(b"old")
-        return self._ran(last, self._command.arguments)
+    def hold_to_a_kill(self, last: int) -> None:
+        """Kill it in earnest. Raises RuntimeError where that leaves anything else than was kept of the operation."""
+        laid(self._before, self._folder, self._blobs)
+        status = self._ran(self._command.arguments, last=last)
+        if status != -signal.SIGKILL or alike(held(self._folder, self._blobs)) != alike(self._left[last - 1]):
+            raise RuntimeError(f"{self._command.name}: killed before {last}, it left what no copy of the folder holds")
 
-    def _ran(self, last: int | None, arguments: Sequence[str]) -> int:
+    def _ran(self, arguments: Sequence[str], blobs: Path | None = None, last: int | None = None) -> int:
         with (self._work / "operations").open("wb", buffering=0) as told:
-            hook = Hook(self._folder, last, told.fileno())
+            hook = Hook(self._folder, told.fileno(), blobs, last)
             return copied(lambda: run(arguments, self._folder, self._command.stdin, hook), self._work / "said")
 
-    def _looked(self) -> tuple[dict[str, str], list[str]]:
-        found = asked(lambda: state(self._command, self._folder))
-        return found, sorted(str(path.relative_to(self._folder)) for path in self._folder.rglob("*"))
+    def _looked(self) -> dict[str, str]:
+        return dict(asked(lambda: state(self._command, self._folder)))
 
 
 def tried(command: Command, before: Path, work: Path, most: int | None) -> Tried:
-    """Kill a command that finds ``before`` in its folder at each operation, or at ``most`` evenly chosen ones."""
+    """Look at what a kill of a command at each operation leaves, or at ``most`` evenly chosen ones."""
+    began = monotonic()
     trial = Trial(command, before, work)
     found, left = dict[int, str](), dict[int, list[str]]()
     for last in _chosen(len(trial.operations), most):
         found[last], what = trial.killed(last)
         if what:
             left[last] = what
-    return Tried(command, trial.operations, found, left)
+    if command.kind is not Kind.LOG:  # whose processes do not take the same turns twice
+        trial.hold_to_a_kill(Random(command.name).randint(1, len(trial.operations)))  # noqa: S311 - no secret
+    return Tried(command, trial.operations, found, left, trial.states, monotonic() - began)
 
 
 def _chosen(count: int, most: int | None) -> list[int]:
@@ -340,6 +274,7 @@ def main() -> NoReturn:
 
 
 def _told(found: Tried) -> dict[str, Any]:
+    sys.stderr.write(f"{json.dumps(found.row())}\n")
     for line in found.lines():
         sys.stderr.write(f"{line}\n")
     sys.stderr.flush()

@@ -6,6 +6,7 @@ and no other user's, is touched. Where a file system has no locks, nothing is re
 
 * ``with file_beside(place, data) as begun: begun.replace(place)``: written, and on the disk, before it is renamed
 * ``with folder_beside(place) as begun``: so with a folder; what is not renamed is gone at the end
+* ``with scratch() as folder``: one that nobody else reads, where the system has temporary files
 * ``sweep(folder)``, ``left_in(folder)``: what killed writers left is removed, or told
 * ``with told_of(place, SensingError)``: an OSError says of the place that it cannot be written
 """
@@ -16,11 +17,13 @@ import re
 import shutil
 import tempfile
 from collections.abc import Callable, Iterator
-from contextlib import contextmanager, suppress
+from contextlib import AbstractContextManager, contextmanager, suppress
 from functools import lru_cache
 from pathlib import Path
 
 MARK = "plogic-"
+SHARED, PRIVATE = 0o755, 0o700
+"""Of a folder: everybody may read what is in it, or its user alone."""
 _BEGUN = re.compile(rf"\..*\.{MARK}[a-z0-9_]{{8}}", re.DOTALL)
 _LONG = 40
 """Characters of the place's name that are kept, so that one as long as a name may be can be begun."""
@@ -43,15 +46,20 @@ def file_beside(place: Path, data: bytes) -> Iterator[Path]:
 
 
 @contextmanager
-def folder_beside(place: Path) -> Iterator[Path]:
+def folder_beside(place: Path, mode: int = SHARED) -> Iterator[Path]:
     """A new folder. Raises OSError."""
     handle, begun = _locked(place, lambda folder, prefix: Path(tempfile.mkdtemp(dir=folder, prefix=prefix)))
     try:
-        begun.chmod(0o755)
+        begun.chmod(mode)
         yield begun
     finally:
         shutil.rmtree(begun, ignore_errors=True)
         os.close(handle)
+
+
+def scratch() -> AbstractContextManager[Path]:
+    """A new folder for files that go at the end, or with the next process that makes one. Raises OSError."""
+    return folder_beside(Path(tempfile.gettempdir()) / "scratch", PRIVATE)
 
 
 def _closed(handle: int, name: str) -> str:

@@ -9,8 +9,7 @@ mapped a file of a deleted folder keeps it.
   (``sources``)
 * ``forget_beside(place)``: of the folder's siblings those stay that were used last
 * ``forget_files_beside(place)``: so of files ``<64 hex digits>.npz``
-* ``kept_in(folder)``, ``abandoned_in(folder)``, ``damage(place)``: what is kept in a cache folder, what was begun there
-  and left, and what is wrong with one of the kept
+* ``kept_in(folder)``, ``damage(place)``: what is kept in a cache folder, and what is wrong with one of the kept
 """
 
 import ast
@@ -18,13 +17,10 @@ import hashlib
 import json
 import os
 import re
-import shutil
-import tempfile
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from contextlib import suppress
 from mmap import ACCESS_READ, mmap
 from pathlib import Path
-from time import time
 from typing import Any
 from zipfile import BadZipFile, ZipFile
 from zlib import crc32
@@ -32,27 +28,26 @@ from zlib import crc32
 import numpy as np
 from numpy.typing import NDArray
 
+from geometry.files.begun import PRIVATE, folder_beside
+
 FOLDERS, BYTES = 8, 2 << 30
 """So many folders are kept at most, of so many bytes together; one always is."""
-ABANDONED = 86400.0
-"""Seconds after which nobody writes any more what was begun."""
 FILES = 1024
 """So many files are kept at most, of ``BYTES`` together; one always is."""
 _NAME = "[0-9a-f]{64}"
-_BEGUN = "[a-z0-9_]{8}"
 
 
 def forget_beside(place: Path, folders: int = FOLDERS, most: int = BYTES) -> None:
-    """Delete a folder's siblings that were used least lately, beyond the kept ones, and abandoned beginnings.
+    """Delete a folder's siblings that were used least lately, beyond the kept ones.
 
     Nothing else is touched: no file, and no folder of another name.
     """
-    _forget(place, Path.is_dir, _NAME, rf"\.{_NAME}-{_BEGUN}", folders, most)
+    _forget(place, Path.is_dir, _NAME, folders, most)
 
 
 def forget_files_beside(place: Path, files: int = FILES, most: int = BYTES) -> None:
     """As ``forget_beside``, of files; no folder and no file of another name is touched."""
-    _forget(place, Path.is_file, rf"{_NAME}\.npz", rf"\.{_NAME}\.npz\.{_BEGUN}", files, most)
+    _forget(place, Path.is_file, rf"{_NAME}\.npz", files, most)
 
 
 def bytes_of(place: Path) -> int:
@@ -63,7 +58,7 @@ def bytes_of(place: Path) -> int:
         return 0
 
 
-def _forget(place: Path, is_one: Callable[[Path], bool], name: str, begun: str, count: int, most: int) -> None:
+def _forget(place: Path, is_one: Callable[[Path], bool], name: str, count: int, most: int) -> None:
     try:
         beside = {path: path.stat() for path in place.parent.iterdir() if is_one(path) and not path.is_symlink()}
     except OSError:  # another process forgets at the same time
@@ -74,10 +69,6 @@ def _forget(place: Path, is_one: Callable[[Path], bool], name: str, begun: str, 
         total += bytes_of(path)
         if rank and (rank >= count or total > most):
             discard(path)
-    for path, found in beside.items():
-        if re.fullmatch(begun, path.name) and time() - found.st_mtime > ABANDONED:
-            shutil.rmtree(path, ignore_errors=True)  # a folder
-            discard(path)  # a file
 
 
 def discard(place: Path) -> None:
@@ -89,30 +80,17 @@ def discard(place: Path) -> None:
         if not place.is_dir():
             place.unlink()
             return
-        aside = Path(tempfile.mkdtemp(prefix=f".{place.name}-", dir=place.parent))
-        try:
+        with folder_beside(place, PRIVATE) as aside:
             place.rename(aside / place.name)
-        finally:
-            shutil.rmtree(aside, ignore_errors=True)
 
 
 def kept_in(folder: Path) -> list[Path]:
     """The folders and files of a cache folder that are kept, the one used last first; none where it cannot be read."""
-    return [path for path, _ in _of_name(folder, rf"{_NAME}(\.npz)?")]
-
-
-def abandoned_in(folder: Path) -> list[Path]:
-    """What was begun in a cache folder so long ago that nobody writes it any more."""
-    named = _of_name(folder, rf"\.{_NAME}(-|\.npz\.){_BEGUN}")
-    return [path for path, modified in named if time() - modified > ABANDONED]
-
-
-def _of_name(folder: Path, name: str) -> list[tuple[Path, float]]:
-    """What has such a name, with the time of its modification."""
     found = []
     with suppress(OSError):  # another process forgets at the same time
-        found = [(path, path.lstat().st_mtime) for path in sorted(folder.iterdir()) if re.fullmatch(name, path.name)]
-    return sorted(found, key=lambda one: -one[1])
+        named = (path for path in sorted(folder.iterdir()) if re.fullmatch(rf"{_NAME}(\.npz)?", path.name))
+        found = sorted(((-path.lstat().st_mtime, path) for path in named), key=lambda one: one[0])
+    return [path for _, path in found]
 
 
 def damage(place: Path, *, measured: bool) -> str | None:
@@ -206,19 +184,14 @@ def _measured(file: Path) -> dict[str, int]:
 
 def _write(place: Path, made: Mapping[str, NDArray[Any]], folders: int) -> None:
     """Beside its place first; where that fails, nothing is remembered, and nothing is left."""
-    beside = None
-    try:
+    with suppress(OSError):
         place.parent.mkdir(parents=True, exist_ok=True)
-        beside = Path(tempfile.mkdtemp(prefix=f".{place.name}-", dir=place.parent))
-        for name, array in made.items():
-            np.save(_file(beside, name), array, allow_pickle=False)
-        (beside / MANIFEST).write_bytes(_manifest(beside, place.name, made))
-        discard(place)
-        beside.rename(place)
-    except OSError:
-        if beside is not None:
-            shutil.rmtree(beside, ignore_errors=True)
-    else:
+        with folder_beside(place, PRIVATE) as begun:
+            for name, array in made.items():
+                np.save(_file(begun, name), array, allow_pickle=False)
+            (begun / MANIFEST).write_bytes(_manifest(begun, place.name, made))
+            discard(place)
+            begun.rename(place)
         forget_beside(place, folders)
 
 

@@ -2,86 +2,31 @@
 
 A child ends when the process that started it ends, by SIGKILL too. Its memory is watched (``memory``). It can be
 waited for among others, and is killed with all that it started. The folder that it writes in is removed, if need be by
-the next process that starts one.
+the next process that makes one (``geometry.files.begun``).
 
 * ``with Child(python("plogic.logic.served.program_child"), told=request) as child: child.rest(seconds=5.0)``
 * ``heard([one, other], 1.0)``: those that say something within a second; the others may be ended
 * ``Copy(work, argument)``: a copy of this process, which calls ``work``
-* ``Scratch()``: a folder that goes when its process does, by itself or by the next process that makes such a folder
 """
 
 import contextlib
 import ctypes
-import fcntl
 import os
 import select
-import shutil
 import signal
 import subprocess
 import sys
-import tempfile
 import threading
 import weakref
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from functools import partial
 from pathlib import Path
 from threading import Thread
-from time import monotonic, sleep, time
+from time import monotonic, sleep
 from typing import Any, Self
 
+from geometry.files.begun import scratch
 from plogic.base.memory import Watched, keep_to
-
-PREFIX = "plogic-child-"
-LOCK = ".lock"
-"""A file of the folder that is locked as long as somebody uses it."""
-YOUNG = 60.0
-"""Seconds after which a folder that nobody has locked is left over: its maker may be about to."""
-
-
-class Scratch:
-    """A new folder, which is this process's."""
-
-    def __init__(self) -> None:
-        """Sweep what others left, and make the folder."""
-        sweep()
-        self.folder = Path(tempfile.mkdtemp(prefix=PREFIX))
-        self._lock = os.open(self.folder / LOCK, os.O_CREAT | os.O_RDWR | os.O_CLOEXEC)
-        fcntl.flock(self._lock, fcntl.LOCK_EX)
-
-    def remove(self) -> None:
-        """Remove it with all that is in it."""
-        shutil.rmtree(self.folder, ignore_errors=True)
-        os.close(self._lock)
-
-
-def sweep() -> None:
-    """Remove the folders of processes that were killed."""
-    for folder in left_over():
-        shutil.rmtree(folder, ignore_errors=True)
-
-
-def left_over() -> Iterator[Path]:
-    """The folders of processes that were killed. Whoever has the lock of one is alive."""
-    for folder in Path(tempfile.gettempdir()).glob(f"{PREFIX}*"):
-        with contextlib.suppress(OSError):  # another's, or gone meanwhile
-            if time() - folder.stat().st_mtime > YOUNG and _is_left(folder):
-                yield folder
-
-
-def _is_left(folder: Path) -> bool:
-    """Whether nobody has its lock."""
-    try:
-        lock = os.open(folder / LOCK, os.O_RDWR | os.O_CLOEXEC)
-    except FileNotFoundError:  # its maker was killed before
-        return True
-    try:
-        fcntl.flock(lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
-    except BlockingIOError:
-        return False
-    finally:
-        os.close(lock)
-    return True
-
 
 LARGEST_READ = 1 << 20
 """Bytes that are read at a time."""
@@ -121,9 +66,9 @@ class Child:
         files: Mapping[str, bytes] | None = None,
         foreign: bool = False,
     ) -> None:
-        scratch, parent = Scratch(), os.getpid()
-        self.folder = scratch.folder
+        made = contextlib.ExitStack()
         try:
+            self.folder, parent = made.enter_context(scratch()), os.getpid()
             for name, data in {**(files or {}), **({} if told is None else {".told": told})}.items():
                 (self.folder / name).write_bytes(data)
             environment = _environment(self.folder) | dict(variables or {}) | {CHILD: f"{parent} {memory}"}
@@ -138,13 +83,13 @@ class Child:
                     cwd=folder or self.folder,
                     env=environment,
                     start_new_session=True,
-                    preexec_fn=_foreign(parent, memory) if foreign else None,  # noqa: PLW1509 - of one thread, or without locks
+                    preexec_fn=_bound(parent, memory if foreign else 0),  # noqa: PLW1509 - of one thread, or without locks
                 )
         except BaseException:
-            scratch.remove()
+            made.close()
             raise
         self._watched = Watched(self._process.pid, memory, partial(_kill, self._process))
-        self._end = weakref.finalize(self, _ended, self._process, scratch, self._watched)
+        self._end = weakref.finalize(self, _ended, self._process, made, self._watched)
 
     def __enter__(self) -> Self:
         return self
@@ -250,7 +195,7 @@ def _kill(process: subprocess.Popen[bytes]) -> None:
         os.killpg(process.pid, signal.SIGKILL)
 
 
-def _ended(process: subprocess.Popen[bytes], scratch: Scratch, watched: Watched) -> None:
+def _ended(process: subprocess.Popen[bytes], made: contextlib.ExitStack, watched: Watched) -> None:
     watched.end()
     _kill(process)
     process.wait()
@@ -258,7 +203,7 @@ def _ended(process: subprocess.Popen[bytes], scratch: Scratch, watched: Watched)
         if pipe is not None:
             with contextlib.suppress(OSError):  # what was never read
                 pipe.close()
-    scratch.remove()
+    made.close()
 
 
 def _environment(scratch: Path) -> dict[str, str]:
@@ -313,8 +258,8 @@ def _watch(parent: int) -> None:
     os.kill(os.getpid(), signal.SIGKILL)
 
 
-def _foreign(parent: int, memory: int) -> Callable[[], None]:
-    """What a program that is not ours does before it starts, as far as its system can: a thread would not survive."""
+def _bound(parent: int, memory: int) -> Callable[[], None]:
+    """What a child does before its program starts, as far as its system can: Python takes long until ``begin``."""
     prctl = getattr(ctypes.CDLL(None), "prctl", None)
 
     def begun() -> None:

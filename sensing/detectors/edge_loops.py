@@ -4,10 +4,11 @@
 from typing import Any
 
 import numpy as np
-from numba import njit
+
+from sensing.compiled import compiled
 
 
-@njit(cache=True)
+@compiled()
 def ridges(gx: Any, gy: Any, inner: Any, least: float, cell: int) -> Any:
     """The strongest pixel of each square cell of an image that is on the ridge of an edge, cell by cell.
 
@@ -41,7 +42,7 @@ def ridges(gx: Any, gy: Any, inner: Any, least: float, cell: int) -> Any:
     return found[found[:, 2] > 0.0]
 
 
-@njit(cache=True)
+@compiled()
 def between(values: Any, x: float, y: float) -> float:
     """Of an (H, W) array what is between its pixels, inside it."""
     i, j = int(np.floor(x)), int(np.floor(y))

@@ -7,7 +7,8 @@
 from typing import Any
 
 import numpy as np
-from numba import njit
+
+from sensing.compiled import compiled
 
 NOWHERE = 99.0
 """Where there is no edge."""
@@ -15,7 +16,7 @@ ALONG = 0.8
 """Least share of the gradient that is along a line: within 36°."""
 
 
-@njit("Tuple((f8[:,::1], f8[:,::1], f8[::1], i8))(b1[:,::1], f4[:,::1], f8[:,::1], f8[:,::1], f8, i8)", cache=True)
+@compiled("Tuple((f8[:,::1], f8[:,::1], f8[::1], i8))(b1[:,::1], f4[:,::1], f8[:,::1], f8[:,::1], f8, i8)")
 def rim_of(mask: Any, smooth: Any, depth: Any, near: Any, slack: float, rim: int) -> Any:
     """Places (N, 2) of a mask's (h, w) outline, its directions outward (N, 2) and depths (N,); of how many pixels.
 
@@ -49,7 +50,7 @@ def rim_of(mask: Any, smooth: Any, depth: Any, near: Any, slack: float, rim: int
     return at[:n].copy(), across[:n].copy(), deep[:n].copy(), whole
 
 
-@njit("f4[:,:,::1](f4[:,:,::1], f4[:,:,::1])", cache=True)
+@compiled("f4[:,:,::1](f4[:,:,::1], f4[:,:,::1])")
 def steepest_of(a: Any, b: Any) -> Any:
     """(h, w, 2) the slopes along x and y, (h, w, C) each, of the channel in which they are steepest."""
     high, wide, channels = a.shape
@@ -65,7 +66,7 @@ def steepest_of(a: Any, b: Any) -> Any:
     return result
 
 
-@njit("Tuple((i8[:,::1], f8[:,::1]))(f4[:,:,::1], f4[:,:,::1], b1[:,::1], f8)", cache=True)
+@compiled("Tuple((i8[:,::1], f8[:,::1]))(f4[:,:,::1], f4[:,:,::1], b1[:,::1], f8)")
 def ridges_of(a: Any, b: Any, inside: Any, least: float) -> Any:
     """Places x, y (N, 2) ``inside`` (h, w) where a normal bends most, by more than ``least``, and which way (N, 2).
 
@@ -96,7 +97,7 @@ def ridges_of(a: Any, b: Any, inside: Any, least: float) -> Any:
     return at[:n].copy(), across[:n].copy()
 
 
-@njit("f8(f4[:,:,::1], f8, f8, f8, f8)", cache=True)
+@compiled("f8(f4[:,:,::1], f8, f8, f8, f8)")
 def rise_at(gradient: Any, x: float, y: float, a: float, b: float) -> float:
     """How steep a photo is at a place along (a, b); 0 where it is not steepest about along it, and outside."""
     i, j = int(np.floor(x)), int(np.floor(y))
@@ -113,13 +114,13 @@ def rise_at(gradient: Any, x: float, y: float, a: float, b: float) -> float:
     return along if along > ALONG * np.hypot(u, v) else 0.0
 
 
-@njit("b1(f8[::1], i8, f8)", cache=True)
+@compiled("b1(f8[::1], i8, f8)")
 def is_peak(rise: Any, k: int, least: float) -> bool:
     """Whether it is an edge."""
     return bool(rise[k] > least and rise[k] >= rise[k - 1] and rise[k] >= rise[k + 1])
 
 
-@njit("f8[::1](f4[:,:,::1], f8[:,::1], f8[:,::1], i8, f8)", cache=True)
+@compiled("f8[::1](f4[:,:,::1], f8[:,::1], f8[:,::1], i8, f8)")
 def edge_off(gradient: Any, at: Any, across: Any, reach: int, least: float) -> Any:
     """(N,) pixels from places (N, 2) along unit vectors (N, 2) to the nearest edge across, steeper than ``least``."""
     result = np.full(len(at), NOWHERE)
@@ -142,7 +143,7 @@ def edge_off(gradient: Any, at: Any, across: Any, reach: int, least: float) -> A
     return result
 
 
-@njit("Tuple((i8[:,::1], f8[:,::1], f8[:,::1]))(i8[:,::1], f8[:,::1], f8[:,::1], i8, i8)", cache=True)
+@compiled("Tuple((i8[:,::1], f8[:,::1], f8[:,::1]))(i8[:,::1], f8[:,::1], f8[:,::1], i8, i8)")
 def both_sides(colour: Any, at: Any, across: Any, length: int, colours: int) -> Any:
     """Which colour (N, 2 · ``length`` + 1) of (h, w) is along each line; how often each (N, C) is inside, outside."""
     high, wide = colour.shape
@@ -161,7 +162,7 @@ def both_sides(colour: Any, at: Any, across: Any, length: int, colours: int) -> 
     return seen, inside, outside
 
 
-@njit("f8[:,::1](f8[:,::1], f8, f8)", cache=True)
+@compiled("f8[:,::1](f8[:,::1], f8, f8)")
 def nearby(at: Any, own: float, wide: float) -> Any:
     """(N, N) how much each place tells of each other: a bell ``wide`` px, 0 within the square root of ``own``."""
     many = len(at)
@@ -174,7 +175,7 @@ def nearby(at: Any, own: float, wide: float) -> Any:
     return result
 
 
-@njit("Tuple((f8[:,::1], f8[::1]))(i8[:,::1], f8[:,::1], f8[:,::1], f8[:,::1], f8)", cache=True)
+@compiled("Tuple((f8[:,::1], f8[::1]))(i8[:,::1], f8[:,::1], f8[:,::1], f8[:,::1], f8)")
 def shifted(seen: Any, inside: Any, outside: Any, inner: Any, every: float) -> Any:
     """Logarithms (N, S) of how likely lines' colours (N, K) are where the outline is shifted, and (N,) how far apart.
 
@@ -197,7 +198,7 @@ def shifted(seen: Any, inside: Any, outside: Any, inner: Any, every: float) -> A
     return result, apart
 
 
-@njit("void(f8, f8, f8, f8[:,::1], f8[::1], f8[:,::1])", cache=True)
+@compiled("void(f8, f8, f8, f8[:,::1], f8[::1], f8[:,::1])")
 def motion(x: float, y: float, depth: float, K: Any, middle: Any, moves: Any) -> None:
     """Put into ``moves`` (2, 6) by how many pixels the surface at a pixel moves with each part of a step.
 
@@ -213,7 +214,7 @@ def motion(x: float, y: float, depth: float, K: Any, middle: Any, moves: Any) ->
     moves[1, 3], moves[1, 4], moves[1, 5] = 0.0, vy, vz
 
 
-@njit("Tuple((f8[:,::1], f8[::1]))(f8[:,::1], f8[:,::1], f8[::1], f8[:,::1], f8[::1], f8[::1], f8[::1])", cache=True)
+@compiled("Tuple((f8[:,::1], f8[::1]))(f8[:,::1], f8[:,::1], f8[::1], f8[:,::1], f8[::1], f8[::1], f8[::1])")
 def of_lines(at: Any, across: Any, depth: Any, K: Any, middle: Any, off: Any, weight: Any) -> Any:
     """Gauss-Newton's (6, 6) and (6,) of lines that ought to be ``off`` (N,) pixels farther along, by weights (N,)."""
     told, slope, moves, along = np.zeros((6, 6)), np.zeros(6), np.empty((2, 6)), np.empty(6)
@@ -230,7 +231,7 @@ def of_lines(at: Any, across: Any, depth: Any, K: Any, middle: Any, off: Any, we
     return told + np.tril(told, -1).T, slope
 
 
-@njit("Tuple((i8[:,::1], i8[::1], f8[:,::1]))(b1[:,::1], f4[:,:,::1], f4[:,:,::1], i8)", cache=True)
+@compiled("Tuple((i8[:,::1], i8[::1], f8[:,::1]))(b1[:,::1], f4[:,:,::1], f4[:,:,::1], i8)")
 def squared(visible: Any, photo: Any, drawn: Any, side: int) -> Any:
     """Which square of ``side`` pixels each visible pixel is in, -1 for none; how many are in each; sums over each.
 
@@ -256,9 +257,8 @@ def squared(visible: Any, photo: Any, drawn: Any, side: int) -> Any:
     return which, count, sums
 
 
-@njit(
+@compiled(
     "f8[:,:,::1](i8[:,::1], f4[:,:,::1], f4[:,:,::1], f4[:,:,:,::1], f8[:,::1], UniTuple(f8[:,::1], 2), f8[::1])",
-    cache=True,
 )
 def print_off(which: Any, photo: Any, drawn: Any, slopes: Any, depth: Any, scale: Any, middle: Any) -> Any:
     """(N, 3, 7): of pixels in squares, row by row, how the drawn changes with each part of a step, and what it is off.
@@ -281,7 +281,7 @@ def print_off(which: Any, photo: Any, drawn: Any, slopes: Any, depth: Any, scale
     return result
 
 
-@njit("Tuple((f8[:,::1], f8[::1]))(i8[:,::1], f8[:,:,::1], i8[::1], f8[::1], f8)", cache=True)
+@compiled("Tuple((f8[:,::1], f8[::1]))(i8[:,::1], f8[:,:,::1], i8[::1], f8[::1], f8)")
 def of_print(which: Any, off: Any, count: Any, variance: Any, odd: float) -> Any:
     """Gauss-Newton's (6, 6) and (6,) of print that is ``off`` (N, 3, 7), as told by ``print_off``.
 

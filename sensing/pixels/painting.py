@@ -10,8 +10,8 @@ place (3,) m, object frame. ``Picture``: colour, depth and normal, as ``sensing.
 from typing import Any
 
 import numpy as np
-from numba import njit
 
+from sensing.compiled import compiled
 from sensing.simulated.raycast import STEEPEST
 
 FACETS = "Tuple((f8[:,:,::1], f8[:,::1], f8[:,:,::1], f8[:,:,::1], f8[:,:,::1], f8[::1]))"
@@ -25,7 +25,7 @@ ON_EDGE = 1e-9
 """Share of a triangle by which a pixel may be beyond its edge: none is lost between two."""
 
 
-@njit(f"f4[:,::1](i8[::1], i8[::1], {VIEW})", cache=True)
+@compiled(f"f4[:,::1](i8[::1], i8[::1], {VIEW})")
 def sights(low: Any, high: Any, view: Any) -> Any:
     """(N, 3) unit vectors, object frame, through the pixels from ``low`` to ``high``, row by row."""
     K, turn, _ = view
@@ -40,7 +40,7 @@ def sights(low: Any, high: Any, view: Any) -> Any:
     return result
 
 
-@njit(f"i4[::1](i8[::1], i8[::1], {VIEW}, f8[:,::1], i8[:,::1])", cache=True)
+@compiled(f"i4[::1](i8[::1], i8[::1], {VIEW}, f8[:,::1], i8[:,::1])")
 def nearest_facets(low: Any, high: Any, view: Any, corners: Any, triangles: Any) -> Any:
     """(N,) which of triangles (T, 3) of corners (V, 3) each pixel from ``low`` to ``high`` shows, -1 for none.
 
@@ -74,7 +74,7 @@ def nearest_facets(low: Any, high: Any, view: Any, corners: Any, triangles: Any)
     return result
 
 
-@njit("UniTuple(f8, 3)(f8[:,::1], f8, f8, f8)", cache=True)
+@compiled("UniTuple(f8, 3)(f8[:,::1], f8, f8, f8)")
 def mixed(corners: Any, a: float, b: float, c: float) -> Any:
     """(3,) of corners (3, 3), each by its weight."""
     return (
@@ -84,14 +84,14 @@ def mixed(corners: Any, a: float, b: float, c: float) -> Any:
     )
 
 
-@njit("i8(i8, i8)", cache=True)
+@compiled("i8(i8, i8)")
 def within(k: int, many: int) -> int:
     """A texel's number, mirrored at the rims."""
     k %= 2 * many
     return k if k < many else 2 * many - 1 - k
 
 
-@njit(f"void({PYRAMID}, f8, f8, f8, f4[::1])", cache=True)
+@compiled(f"void({PYRAMID}, f8, f8, f8, f4[::1])")
 def look_up(pyramid: Any, u: float, v: float, footprint: float, colour: Any) -> None:
     """Put into ``colour`` (3,) what is at (u, v), (0, 0) the lower left, in the copy for so many texels a pixel."""
     texels, start, wide, high = pyramid
@@ -108,13 +108,13 @@ def look_up(pyramid: Any, u: float, v: float, footprint: float, colour: Any) -> 
         colour[k] = upper * (1.0 - b) + lower * b
 
 
-@njit("f8(f8[::1], f8[::1], f8[::1])", cache=True)
+@compiled("f8(f8[::1], f8[::1], f8[::1])")
 def sum_of(along: Any, place: Any, eye: Any) -> float:
     """How far a place (3,) is from the camera's along a direction (3,), m."""
     return float(along[0] * (place[0] - eye[0]) + along[1] * (place[1] - eye[1]) + along[2] * (place[2] - eye[2]))
 
 
-@njit(f"void(i4[::1], i8[::1], i8, {VIEW}, {FACETS}, {PYRAMID}, {PICTURE})", cache=True)
+@compiled(f"void(i4[::1], i8[::1], i8, {VIEW}, {FACETS}, {PYRAMID}, {PICTURE})")
 def paint(triangles: Any, low: Any, wide: int, view: Any, facets: Any, pyramid: Any, picture: Any) -> None:
     """Fill a picture from pixel ``low`` on, rows of ``wide``, with what the triangles met there show, -1 for none."""
     K, turn, eye = view

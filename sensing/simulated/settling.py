@@ -13,13 +13,13 @@ from collections.abc import Iterable, Iterator, Sequence
 from contextlib import contextmanager
 from itertools import combinations
 from pathlib import Path
-from tempfile import TemporaryDirectory
 from typing import Any, NamedTuple
 
 import numpy as np
 from scipy.spatial import ConvexHull, QhullError
 
 from geometry.arrays import Floats
+from geometry.files.begun import scratch
 from geometry.frames import quat_xyzw_from_rotation, transform_points
 from sensing.simulated.physics import DENSITY, client
 
@@ -105,8 +105,8 @@ def let_go(bodies: Sequence[Loose]) -> dict[str, Fate]:
 
 @contextmanager
 def _world(bullet: Any, number: int, bodies: Sequence[Loose]) -> Iterator["_World"]:  # noqa: ANN401 - pybullet is untyped
-    with TemporaryDirectory(prefix="plogic-") as folder:
-        yield _World(bullet, number, bodies, Path(folder))
+    with scratch() as folder:
+        yield _World(bullet, number, bodies, folder)
 
 
 class _World:

@@ -6,7 +6,6 @@ In TinyRenderer a pixel's centre has whole viewport coordinates, and its picture
 Passing cx and cy + 1 without OpenGL's half pixel mends both (tested against projected points).
 """
 
-import tempfile
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from functools import cached_property
@@ -17,6 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from geometry.camera import Camera
+from geometry.files.begun import scratch
 from sensing.errors import SceneError
 from sensing.simulated.body import Body
 from sensing.simulated.physics import client, has_physics
@@ -62,8 +62,8 @@ def stage(bodies: Sequence[Body], light: Light) -> Iterator[Stage]:
     if not has_physics():
         yield _Rays(bodies, light)
         return
-    with client() as (bullet, number), tempfile.TemporaryDirectory() as folder:
-        numbers = [_add_body(bullet, number, body, light, Path(folder) / f"{i}.png") for i, body in enumerate(bodies)]
+    with client() as (bullet, number), scratch() as folder:
+        numbers = [_add_body(bullet, number, body, light, folder / f"{i}.png") for i, body in enumerate(bodies)]
         yield _TinyRenderer(bullet, number, numbers, light)
 
 
@@ -233,7 +233,7 @@ def _add_body(bullet: Any, number: int, body: Body, light: Light, texture_file: 
         0, baseVisualShapeIndex=shape, basePosition=at, baseOrientation=quat, physicsClientId=number
     )
     if mesh.texture is not None:
-        cv2.imwrite(str(texture_file), mesh.texture)
+        texture_file.write_bytes(cv2.imencode(".png", mesh.texture)[1].tobytes())
         texture = bullet.loadTexture(str(texture_file), physicsClientId=number)
         bullet.changeVisualShape(placed, -1, textureUniqueId=texture, physicsClientId=number)
     return placed

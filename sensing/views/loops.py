@@ -7,7 +7,8 @@ Maps are int8, in steps; those of a type are stacked as ``sensing.views.maps`` s
 from typing import Any
 
 import numpy as np
-from numba import njit
+
+from sensing.compiled import compiled
 
 BINS = 12
 """Directions of edges in half a turn."""
@@ -19,7 +20,7 @@ WEAK, FAINT = 0.03, 1.9
 """A weight below this is none; widths beyond which a response is less than a grade."""
 
 
-@njit(cache=True)
+@compiled()
 def responses(weight: Any, angle: Any, bins: int, period: float, width: float) -> Any:
     """(bins, h, w) uint8: how strong an edge is at each pixel in each of some directions evenly in a period."""
     high, wide = weight.shape
@@ -36,7 +37,7 @@ def responses(weight: Any, angle: Any, bins: int, period: float, width: float) -
     return result
 
 
-@njit(cache=True)
+@compiled()
 def counted(grade: Any, kind: Any, kinds: int) -> Any:
     """(kinds, ``STEPS``): how often each grade is met in pixels of each kind."""
     result = np.zeros((kinds, STEPS))
@@ -47,7 +48,7 @@ def counted(grade: Any, kind: Any, kinds: int) -> Any:
     return result
 
 
-@njit(cache=True)
+@compiled()
 def told(grade: Any, kind: Any, table: Any) -> Any:
     """(bins, h, w) int8: what a table (kinds, ``STEPS``) says of the grades of pixels of each kind."""
     result = np.empty(grade.shape, np.int8)
@@ -58,7 +59,7 @@ def told(grade: Any, kind: Any, table: Any) -> Any:
     return result
 
 
-@njit(cache=True)
+@compiled()
 def stacked(border: Any, edges: Any, inside: Any, outside: Any, weights: Any) -> Any:
     """The maps of a type one upon the other, int8.
 
@@ -81,7 +82,7 @@ def stacked(border: Any, edges: Any, inside: Any, outside: Any, weights: Any) ->
     return result
 
 
-@njit(cache=True)
+@compiled()
 def channel(kind: int, angle: float, colour: int, colours: int) -> int:
     """Which map of a stack says what there is of a feature."""
     if kind == 0:
@@ -91,7 +92,7 @@ def channel(kind: int, angle: float, colour: int, colours: int) -> int:
     return 3 * BINS + (kind - 2) * colours + colour
 
 
-@njit(cache=True)
+@compiled()
 def offsets(views: Any, some: Any, turns: int, size: float, wide: int, cells: int) -> Any:
     """Where in a flat stack each feature is of some views (S,), turned, of a size in cells, from its middle's cell.
 
@@ -115,7 +116,7 @@ def offsets(views: Any, some: Any, turns: int, size: float, wide: int, cells: in
     return result, count
 
 
-@njit(cache=True)
+@compiled()
 def scanned(stack: Any, offset: Any, count: Any, start: int, end: int, block: int) -> Any:
     """The best sum of each of T templates in each of B blocks of cells from ``start`` to ``end``; and its cell.
 
@@ -144,7 +145,7 @@ def scanned(stack: Any, offset: Any, count: Any, start: int, end: int, block: in
     return best, where
 
 
-@njit(cache=True)
+@compiled()
 def score(stack: Any, views: Any, row: Any, scale: float, power: float) -> float:
     """The sum of a view's features at a row's place: view, turn, size, and place in pixels of the photo."""
     v, a, size = int(row[0]), row[1], row[2] * scale
@@ -161,7 +162,7 @@ def score(stack: Any, views: Any, row: Any, scale: float, power: float) -> float
     return total * (row[2] / 100.0) ** power
 
 
-@njit(cache=True)
+@compiled()
 def laid_in(stack: Any, views: Any, cells: Any, which: Any, turned: Any, size: Any) -> Any:
     """The best sum of views in each of some squares of cells, and its cell: (B, T) int32, and (B, T, 2), x and y.
 
@@ -195,7 +196,7 @@ def laid_in(stack: Any, views: Any, cells: Any, which: Any, turned: Any, size: A
     return best, where
 
 
-@njit(cache=True)
+@compiled()
 def in_view(turn: float, here: Any, there: Any) -> float:
     """The turn with which a view ``there`` (3, 3) is nearest to one ``here`` of a turn."""
     rest = here @ there.T
@@ -208,7 +209,7 @@ def in_view(turn: float, here: Any, there: Any) -> float:
     )
 
 
-@njit(cache=True)
+@compiled()
 def beside(stack: Any, views: Any, row: Any, scale: float, power: float) -> Any:
     """The row in the first view next to its own in which it fits better, or itself."""
     for w in views.beside[int(row[0])]:
@@ -221,7 +222,7 @@ def beside(stack: Any, views: Any, row: Any, scale: float, power: float) -> Any:
     return row
 
 
-@njit(cache=True)
+@compiled()
 def climbed(stack: Any, views: Any, seeds: Any, scale: float, steps: Any, rounds: int, power: float) -> Any:
     """Rows (N, 6) of a view, its turn, a size, a place and a score, moved to where they fit best near.
 
@@ -254,7 +255,7 @@ def climbed(stack: Any, views: Any, seeds: Any, scale: float, steps: Any, rounds
     return result
 
 
-@njit(cache=True)
+@compiled()
 def apart(rows: Any, turns: Any, most: int, angle: float, share: float, near: float) -> Any:
     """Which of rows (N, 3) of size, x, y and turns (N, 3, 3), best first, are like none before; ``most`` of them."""
     kept = np.zeros(most, np.int64)

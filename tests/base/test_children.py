@@ -14,8 +14,8 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from plogic.base import children
-from plogic.base.children import Child, Copy, Scratch, heard
+from geometry.files.begun import sweep
+from plogic.base.children import Child, Copy, heard
 
 FAMILY = Path(__file__).parents[1] / "helpers" / "family.py"
 PATIENCE = 30.0
@@ -145,19 +145,13 @@ def test_what_a_killed_parent_left_is_swept_by_the_next_and_what_is_in_use_is_no
     monkeypatch.setattr("tempfile.tempdir", str(tmp_path))
     parent, said = family("system")
     left = Path(said[-1])
-    monkeypatch.setattr(children, "YOUNG", -1.0)
-    mine = Scratch()
+    sweep(tmp_path)
     assert left.is_dir(), "its process is alive"
     parent.kill()
     parent.wait()
     assert gone(int(pid) for pid in said[:2])
-    monkeypatch.setattr(children, "YOUNG", 60.0)
-    Scratch().remove()
-    assert left.is_dir(), "it is young"
-    monkeypatch.setattr(children, "YOUNG", -1.0)
-    Scratch().remove()
-    assert list(tmp_path.iterdir()) == [mine.folder]
-    mine.remove()
+    with shell("sleep 60") as child:
+        assert list(tmp_path.iterdir()) == [child.folder]
 
 
 def test_last_words_and_files_and_variables():

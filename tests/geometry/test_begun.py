@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 from killed_processes import killed_while
 
-from geometry.files.begun import file_beside, folder_beside, sweep
+from geometry.files.begun import file_beside, folder_beside, left_in, scratch, sweep
 
 
 @pytest.mark.parametrize("begin", [lambda place: file_beside(place, b"half"), folder_beside], ids=["file", "folder"])
@@ -17,6 +17,20 @@ def test_a_killed_writers_goes_and_a_living_ones_stays(begin, tmp_path):
     assert begun.exists()
     with begin(tmp_path / "other") as mine:
         assert list(tmp_path.iterdir()) == [mine], "the next that begins anything there sweeps"
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_scratch_is_its_users_alone_and_swept_where_it_lies(tmp_path, monkeypatch):
+    monkeypatch.setattr("tempfile.tempdir", str(tmp_path))
+    with killed_while(scratch):
+        (left,) = tmp_path.iterdir()
+        assert left.stat().st_mode & 0o777 == 0o700
+    (left / "deep").mkdir()
+    (left / "deep" / "file").write_text("half")
+    assert left_in(tmp_path) == [left]
+    with scratch() as mine:
+        assert list(tmp_path.iterdir()) == [mine]
+        assert left_in(tmp_path) == []
     assert list(tmp_path.iterdir()) == []
 
 

@@ -7,8 +7,10 @@ from concurrent.futures import ThreadPoolExecutor
 
 import numpy as np
 import pytest
+from killed_processes import killed_while
 
-from geometry.files.remembered import ABANDONED, FOLDERS, MANIFEST, arrays_of, forget_beside
+from geometry.files.begun import folder_beside
+from geometry.files.remembered import FOLDERS, MANIFEST, arrays_of, forget_beside
 
 KEY, OTHER = "ab" * 32, "cd" * 32
 ARRAYS = {"one": np.arange(600.0).reshape(200, 3), "two": np.arange(50, dtype=np.uint8), "none": np.zeros((3, 0))}
@@ -178,15 +180,13 @@ def test_nobody_elses_is_touched(tmp_path):
     assert all((tmp_path / name / "mine").read_text() == "x" for name in foreign)
 
 
-def test_what_was_begun_and_abandoned_goes_what_is_being_written_stays(tmp_path):
-    old, new, place = tmp_path / f".{KEY}-abcd_012", tmp_path / f".{OTHER}-abcd_012", aged(tmp_path, 1, 0)
-    for path in (old, new):
-        path.mkdir()
-        (path / "one.npy").write_bytes(b"half")
-    then = time.time() - ABANDONED - 60
-    os.utime(old, (then, then))
-    forget_beside(place)
-    assert sorted(tmp_path.iterdir()) == sorted([new, place])
+def test_what_a_killed_process_began_goes_and_what_is_being_written_stays(tmp_path):
+    with killed_while(lambda: folder_beside(tmp_path / OTHER)):
+        (used,) = tmp_path.iterdir()
+        (tmp_path / f".{KEY}.plogic-abcdefgh").mkdir()
+        (tmp_path / f".{KEY}.plogic-abcdefgh" / "one.npy").write_bytes(b"half")
+        asked(tmp_path / KEY)
+        assert sorted(tmp_path.iterdir()) == sorted([used, tmp_path / KEY])
 
 
 def test_who_has_mapped_what_goes_keeps_it(tmp_path):

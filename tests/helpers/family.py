@@ -54,7 +54,7 @@ def tell(*words):
 def parent(kind):
     """Start some of a kind, tell their numbers, and sleep."""
     if kind == "watched":
-        children._asked_system = lambda: False
+        children._bound = lambda *_: None
     if kind == "copy":
         copy = Copy(time.sleep, 600)
         tell(copy._process.pid)

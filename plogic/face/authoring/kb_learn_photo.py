@@ -4,7 +4,6 @@ An object type from one photo, laid onto its mesh by a few clicked points.
 """
 
 import json
-import tempfile
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
@@ -12,6 +11,7 @@ from pathlib import Path
 import numpy as np
 
 from geometry.camera import camera_to_dict
+from geometry.files.begun import scratch
 from geometry.poses.register import Registration
 from kb.clouds.cloud import KnowledgeBase, ObjectType
 from kb.clouds.learned import LearnedCloud
@@ -69,12 +69,12 @@ def _learn(
         say(f"{kind.name}: {note}")
     found, mesh = _registered(kind, sources)
     say(_told(kind, found, mesh))
-    with tempfile.TemporaryDirectory(prefix="plogic-photo-") as folder:
+    with scratch() as folder:
         files = _paint_files(mesh, sources.photo.name, kind.mesh_scale)
         for name, data in files.items():
-            (Path(folder) / name).write_bytes(data)
+            (folder / name).write_bytes(data)
         with Work(WORK, say) as work:
-            paint = replace(kind, mesh_file=Path(folder) / PAINT[0])
+            paint = replace(kind, mesh_file=folder / PAINT[0])
             found_cloud = learned([paint], (), kb, options, work, mesh)[kind.name].cloud
     if found_cloud is None:
         raise InputError(f"{kind.name}: {no_print(options.detector)}")
@@ -133,8 +133,8 @@ def _new(kb_folder: Path, name: str, sources: Photo) -> tuple[NewType, ObjectTyp
         raise InputError(
             f"{name}: {sources.mesh} has a texture of its own, which shows more than a photo: plogic kb add, then kb learn"
         )
-    with tempfile.TemporaryDirectory(prefix="plogic-photo-") as folder:
-        draft = Path(folder) / "kb"
+    with scratch() as folder:
+        draft = folder / "kb"
         new_command(draft, "draft")
         place = draft / "objects" / name
         place.mkdir(parents=True)

@@ -4,6 +4,7 @@ The wiring between meshes of Σ and the simulated camera, which knows no types, 
 """
 
 from collections.abc import Callable, Mapping, Sequence
+from contextlib import nullcontext
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -20,6 +21,7 @@ from plogic.run.bop.write import Kind, write_dataset
 from plogic.run.simulated_gamma import Obstacle, Posed, Reported, check_written, simulated_gamma
 from plogic.run.sources import kb_of
 from sensing.files.gamma_files import gamma_to_dict
+from sensing.files.two_folders import finish, two_new_folders
 from sensing.files.whole_files import check_new_folder, write_folder
 from sensing.simulated.body import TexturedMesh, read_mesh
 from sensing.simulated.framing import Framing
@@ -79,23 +81,25 @@ def simulate_command(
     same. With ``robot``, the camera moves: a folder a frame, the first from where the scene's camera is, and
     ``poses.json``.
     """
-    check_new_folder(out)
     if bop is not None:
+        finish(out, bop)
         _check_apart(out, bop)
+    check_new_folder(out)
     kb = kb_of(kb_folder)
     kinds = checked_names(kb, wanted.names)
     if wanted.gamma:
         check_written(kb, [kind.name for kind in kinds])
     standings = standings_of(kinds, boxes=wanted.gamma)
-    if bop is not None:
-        _write_bop(kb, standings, [seed + i for i in range(bop_images)], wanted, bop)
-    scene = scene_of(kb, standings, wanted, seed, say)
-    if robot is not None:
-        _tour(scene, robot, out, _gamma_files(kb, seed) if wanted.gamma else None)
-    elif wanted.gamma:
-        write_folder(out, _gamma_files(kb, seed)(scene))
-    else:
-        write_scene(scene, out)
+    with nullcontext((out, None)) if bop is None else two_new_folders(out, bop) as (folder, dataset):
+        if dataset is not None:
+            _write_bop(kb, standings, [seed + i for i in range(bop_images)], wanted, dataset)
+        scene = scene_of(kb, standings, wanted, seed, say)
+        if robot is not None:
+            _tour(scene, robot, folder, _gamma_files(kb, seed) if wanted.gamma else None)
+        elif wanted.gamma:
+            write_folder(folder, _gamma_files(kb, seed)(scene))
+        else:
+            write_scene(scene, folder)
     if robot is None:
         say(_told(scene, kb_folder, out, wanted))
 

@@ -1,23 +1,19 @@
 """What earlier runs left: what they keep to be quicker, and what killed ones could not take away."""
 
 import pickletools
-import re
 import shutil
 import tempfile
 from collections.abc import Iterator
 from contextlib import suppress
 from pathlib import Path
-from time import time
 
-from geometry.files.remembered import ABANDONED, ROOT, abandoned_in, bytes_of, cache_folder, damage, kept_in
-from plogic.base.children import left_over
+from geometry.files.begun import left_in
+from geometry.files.remembered import ROOT, bytes_of, cache_folder, damage, kept_in
 from plogic.run.health.findings import REPAIRS, Finding, counted, size
 
 CACHES, SCRATCH = "caches", "scratch"
 MEASURED = 100_000_000
 """Bytes of each cache that are held to their checksums, of what was used last; of the rest sizes alone."""
-_OTHERS = re.compile(r"plogic-(photo-)?[a-z0-9_]{8}")
-"""Scratch folders that nobody has locked, as ``tempfile`` calls them."""
 
 
 def caches(*, fix: bool) -> Iterator[Finding]:
@@ -48,7 +44,7 @@ def _cache(folder: Path, *, fix: bool) -> Iterator[Finding]:
         place, fault = wrong[0]
         told = f"{len(wrong)} damaged of {what}: {place.name[:12]}... {fault}"
         yield removed(Finding(CACHES, folder.name, "wrong", told, REPAIRS), [place for place, _ in wrong], fix=fix)
-    begun = abandoned_in(folder)
+    begun = left_in(folder)
     if begun:
         told = f"{counted(len(begun), 'entry', 'entries')} begun in {folder} and left by a process that was killed"
         yield removed(Finding(CACHES, folder.name, "note", told, REPAIRS), begun, fix=fix)
@@ -56,8 +52,8 @@ def _cache(folder: Path, *, fix: bool) -> Iterator[Finding]:
 
 def _compiled(*, fix: bool) -> Iterator[Finding]:
     """What numba keeps of our loops: an index (.nbi) a function, which is a pickle, and code (.nbc)."""
-    places = [place / "__pycache__" for place in (ROOT / "sensing/views", ROOT / "sensing/pixels")]
-    files = sorted(file for place in places if place.is_dir() for file in place.glob("loops.*.nb[ic]"))
+    places = [ROOT / "sensing" / room / "__pycache__" for room in ("detectors", "pixels", "views")]
+    files = sorted(file for place in places if place.is_dir() for file in place.glob("*.nb[ic]"))
     torn = [file for file in files if not _is_pickle(file)]
     what = f"{counted(len(files), 'file', 'files')} of compiled loops, {size(sum(map(bytes_of, files)))}"
     if torn:
@@ -83,8 +79,7 @@ def _is_pickle(file: Path) -> bool:
 
 def scratch(*, fix: bool) -> Iterator[Finding]:
     """The folders of processes that were killed."""
-    others = [path for path in Path(tempfile.gettempdir()).iterdir() if _OTHERS.fullmatch(path.name)]
-    left = [*left_over(), *(path for path in sorted(others) if time() - path.lstat().st_mtime > ABANDONED)]
+    left = left_in(Path(tempfile.gettempdir()))
     if not left:
         yield Finding(SCRATCH, "folders", "fine", "nothing is left behind")
         return

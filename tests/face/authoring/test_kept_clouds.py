@@ -3,9 +3,7 @@
 import os
 import time
 
-from geometry.files.remembered import ABANDONED, forget_files_beside
-
-DAY_OLD = time.time() - ABANDONED - 60
+from geometry.files.remembered import forget_files_beside
 
 
 def kept(folder, number, age, size=10):
@@ -26,14 +24,12 @@ def test_the_files_used_last_stay_and_the_new_one_in_any_case(tmp_path):
     assert paths[0].exists()
 
 
-def test_nothing_else_is_touched_but_what_was_begun_and_abandoned(tmp_path):
+def test_nothing_else_is_touched(tmp_path):
     place = kept(tmp_path, 0, age=0)
-    begun, fresh = (tmp_path / f".{place.name}.{name}" for name in ("abcdefg_", "abcdefgh"))
-    others = [tmp_path / name for name in ("mine.npz", f"{1:064x}.txt", ".hidden")]
-    for path in (begun, fresh, *others):
+    others = [tmp_path / name for name in (f".{place.name}.abcdefgh", "mine.npz", f"{1:064x}.txt", ".hidden")]
+    for path in others:
         path.write_bytes(b"x" * 100)
+        os.utime(path, (0, 0))
     (tmp_path / f"{2:064x}.npz").mkdir()
-    for path in (begun, *others):
-        os.utime(path, (DAY_OLD,) * 2)
     forget_files_beside(place, files=1, most=0)
-    assert sorted(tmp_path.iterdir()) == sorted([place, fresh, *others, tmp_path / f"{2:064x}.npz"])
+    assert sorted(tmp_path.iterdir()) == sorted([place, *others, tmp_path / f"{2:064x}.npz"])

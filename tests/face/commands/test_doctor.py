@@ -2,10 +2,8 @@
 
 from __future__ import annotations
 
-import fcntl
 import json
 import os
-import time
 from importlib.metadata import distribution
 from pathlib import Path
 
@@ -14,15 +12,13 @@ from console import plogic
 from jsonschema import Draft202012Validator
 from small_kb import write_small
 
-from geometry.files.begun import file_beside
-from geometry.files.remembered import ABANDONED
+from geometry.files.begun import file_beside, folder_beside, scratch
 from kb.files.changes import CHANGE, writing
 from plogic.face.commands.formats import schema_command
 from plogic.run.health import remains
 from plogic.run.health.installation import requirements
 
 ROOT = Path(__file__).parents[3]
-OLD = time.time() - 2 * ABANDONED
 
 
 @pytest.fixture
@@ -141,19 +137,18 @@ def test_a_spoilt_cache_is_found_and_repaired(tmp_path, here, how):
 
 def test_a_torn_cloud_and_what_was_begun_and_left(tmp_path, here):
     folder = tmp_path / "cache/plogic/clouds"
-    (folder / f".{'b' * 64}-abcdefgh").mkdir(parents=True)
-    (folder / f".{'c' * 64}.npz.abcdefgh").write_bytes(b"")
+    folder.mkdir(parents=True)
     (folder / f"{'a' * 64}.npz").write_bytes(b"PK\3\4 torn")
     (folder / "of somebody else").write_bytes(b"")
-    for path in folder.iterdir():
-        os.utime(path, (OLD, OLD))
-    (folder / f".{'d' * 64}-abcdefgh").mkdir()
-    done = plogic("doctor", **here)
-    assert "WRONG     clouds: 1 damaged of 1 entry, 9 bytes" in done.stdout
-    assert "note      clouds: 2 entries begun in" in done.stdout
-    assert done.stdout.splitlines()[-2:] == ["1 wrong", "plogic doctor --fix repairs 2 of what was found"]
-    assert "healthy" in plogic("doctor", "--fix", **here).stdout
-    assert sorted(path.name for path in folder.iterdir()) == [f".{'d' * 64}-abcdefgh", "of somebody else"]
+    with folder_beside(folder / "place") as used:
+        (folder / ".some.plogic-abcdefgh").mkdir()
+        (folder / ".other.plogic-abcdefgh").write_bytes(b"")
+        done = plogic("doctor", **here)
+        assert "WRONG     clouds: 1 damaged of 1 entry, 9 bytes" in done.stdout
+        assert "note      clouds: 2 entries begun in" in done.stdout
+        assert done.stdout.splitlines()[-2:] == ["1 wrong", "plogic doctor --fix repairs 2 of what was found"]
+        assert "healthy" in plogic("doctor", "--fix", **here).stdout
+        assert sorted(path.name for path in folder.iterdir()) == [used.name, "of somebody else"]
 
 
 @pytest.mark.parametrize(("content", "state"), [(b"", "wrong"), (b"\x80\x04\x95", "wrong"), (b"N.K\x01.", "fine")])
@@ -171,23 +166,15 @@ def test_compiled_loops_that_are_torn(tmp_path, monkeypatch, content, state):
     assert [one.state for one in remains.caches(fix=False) if one.name == "numba"] == ["fine"]
 
 
-def test_scratch_of_killed_processes_is_told_and_swept(tmp_path, here):
-    for name in (
-        "plogic-child-abcdefgh",
-        "plogic-photo-abcdefgh",
-        "plogic-abcdefgh",
-        "plogic-child-used",
-        "plogic-mine",
-    ):
-        (tmp_path / "scratch" / name).mkdir()
-        os.utime(tmp_path / "scratch" / name, (OLD, OLD))
-    with (tmp_path / "scratch/plogic-child-used/.lock").open("w") as lock:
-        os.utime(tmp_path / "scratch/plogic-child-used", (OLD, OLD))
-        fcntl.flock(lock, fcntl.LOCK_EX)
+def test_scratch_of_killed_processes_is_told_and_swept(tmp_path, here, monkeypatch):
+    monkeypatch.setattr("tempfile.tempdir", str(tmp_path / "scratch"))
+    (tmp_path / "scratch/plogic-mine").mkdir()
+    with scratch() as used:
+        (tmp_path / "scratch/.scratch.plogic-abcdefgh").mkdir()
         row = found(status=0, **here)["scratch", "folders"]
-        assert (row["state"], row["told"][:42]) == ("note", "3 folders left by processes that were kill")
+        assert (row["state"], row["told"][:40]) == ("note", "1 folder left by processes that were kil")
         assert found("--fix", status=0, **here)["scratch", "folders"]["state"] == "repaired"
-    assert {path.name for path in (tmp_path / "scratch").iterdir()} == {"plogic-child-used", "plogic-mine"}
+        assert {path.name for path in (tmp_path / "scratch").iterdir()} == {used.name, "plogic-mine"}
 
 
 def test_a_broken_knowledge_base_tells_its_mistakes(tmp_path, here):

@@ -1,0 +1,41 @@
+"""Loops that numba compiles and keeps on disk; what is damaged there is made anew.
+
+* ``@compiled()`` above a function of numbers and arrays: when it is first called, for the types that it is called with
+* ``@compiled("f8(f8[:,::1], i8)")``: at once, for these types alone
+"""
+
+from collections.abc import Callable
+from contextlib import suppress
+from typing import Any
+
+from numba import njit
+
+
+def compiled(signature: str | None = None) -> Callable[[Callable[..., Any]], Any]:
+    """Return what makes a compiled function of one of Python."""
+
+    def made(function: Callable[..., Any]) -> Any:  # noqa: ANN401 - what is compiled takes arrays of several types
+        loop = njit(cache=True)(function)
+        _mend(loop._cache)  # noqa: SLF001 - numba looks there first, and raises where anything is torn
+        if signature is not None:
+            loop.compile(signature)
+            loop.disable_compile()
+        return loop
+
+    return made
+
+
+def _mend(cache: Any) -> None:  # noqa: ANN401 - numba is untyped
+    """Let a cache that cannot be read be emptied."""
+    load = cache.load_overload
+
+    def mended(*what: object) -> object:
+        with suppress(Exception):  # whatever is wrong with what is kept, it can be made anew
+            return load(*what)
+        try:
+            cache.flush()
+        except OSError:  # who may not write there keeps nothing
+            cache.disable()
+        return None
+
+    cache.load_overload = mended

@@ -1,0 +1,48 @@
+"""Compiled loops that are kept on disk: what is torn there is made anew, without a word."""
+
+from __future__ import annotations
+
+import pickle
+import sys
+from importlib.util import module_from_spec, spec_from_file_location
+
+import pytest
+
+SOURCE = """\
+from sensing.compiled import compiled
+
+@compiled({})
+def added(a, b):
+    return a + b
+"""
+CUT = {
+    "empty": lambda _: b"",
+    "cut": lambda data: data[:-20],
+    "cut at its head": lambda data: data[:3],
+    "of something else": lambda _: pickle.dumps(3),
+}
+
+
+def called(file):
+    """What a fresh process would be told: the module is imported once more."""
+    spec = spec_from_file_location("adding", file)
+    module = module_from_spec(spec)
+    sys.modules["adding"] = module
+    spec.loader.exec_module(module)
+    return module.added(2, 3), sum(module.added.stats.cache_hits.values())
+
+
+@pytest.mark.parametrize("signature", ["", '"i8(i8, i8)"'], ids=["when called", "at once"])
+@pytest.mark.parametrize("suffix", ["nbi", "nbc"])
+def test_what_is_torn_is_made_anew(tmp_path, signature, suffix, monkeypatch):
+    monkeypatch.delitem(sys.modules, "adding", raising=False)
+    file = tmp_path / "adding.py"
+    file.write_text(SOURCE.format(signature))
+    assert called(file) == (5, 0)
+    assert called(file) == (5, 1)
+    for cut in CUT.values():
+        (kept,) = (tmp_path / "__pycache__").glob(f"*.{suffix}")
+        kept.write_bytes(cut(kept.read_bytes()))
+        assert called(file) == (5, 0)
+        assert called(file) == (5, 1)
+    assert len(CUT) == 4
