@@ -1,0 +1,181 @@
+"""One run of a program through a door: in a folder of its own, watched from outside and by Python's own hook.
+
+Every process of a run is known by a mark in its environment, whatever session it made itself.
+"""
+
+from __future__ import annotations
+
+import os
+import re
+import secrets
+import shutil
+import signal
+import sqlite3
+import subprocess
+import sys
+import sysconfig
+from contextlib import suppress
+from dataclasses import dataclass
+from pathlib import Path
+from time import monotonic, sleep
+
+from benchmarks.fuzz import seeds
+from benchmarks.fuzz.console import fault_of
+from benchmarks.fuzz.hostile.doors import prepare
+
+MARK = "PLOGIC_HOSTILE"
+LOOK = 0.05
+"""Seconds between two looks at the processes."""
+AFTER = 2.0
+"""Seconds after the end, by which nothing may live."""
+PATIENCE = 30.0
+"""Seconds over the limit after which a run is killed."""
+AUDIT = Path(__file__).parent / "audit"
+PAGE = os.sysconf("SC_PAGE_SIZE")
+_RANDOM = re.compile(r"(?<=plogic-child-)\w{8}|(?<=\{place\}/tmp/)\w{8}\b|\d{3,}")
+"""Names that differ from run to run: scratch folders, what ``tempfile`` tries a folder with, numbers of processes."""
+
+
+@dataclass(frozen=True)
+class Seen:
+    """What was seen of a run. ``did``: what it opened and started, its own folders by their names.
+
+    ``owned``: bait that was taken; ``told``: whether a secret was printed; ``left``: files and processes; ``fault``: what
+    was wrong with how it ended.
+    """
+
+    status: int
+    seconds: float
+    memory: int
+    did: frozenset[str]
+    owned: tuple[str, ...]
+    told: bool
+    left_files: tuple[str, ...]
+    left_processes: int
+    fault: str | None
+
+
+def bait_in(folder: Path, secret: str) -> dict[str, str]:
+    """Make the files that leave a trace, and return their paths, as programs name them."""
+    folder.mkdir()
+    paths = {
+        name: str(folder / file)
+        for name, file in (
+            ("{py}", "evil.py"), ("{pl}", "evil.pl"), ("{secret}", "secret.pl"), ("{csv}", "secret.csv"), ("{db}", "secret.db"),
+            ("{new}", "new"), ("{secret_folder}", "secrets"),
+        )
+    }  # fmt: skip
+    Path(paths["{py}"]).write_text(
+        f"import os\nopen({str(folder / 'owned')!r}, 'w').close()\nos.system('sleep 3 &')\n"
+        "from problog.extern import problog_export\n@problog_export('-int')\ndef owned():\n    return 7\n"
+    )
+    Path(paths["{pl}"]).write_text(f":- use_module('{paths['{py}']}').\nleaked.\ntoken('{secret}').\n")
+    Path(paths["{secret}"]).write_text(f"token('{secret}').\n")
+    Path(paths["{csv}"]).write_text(f"id,token\n1,{secret}\n")
+    Path(paths["{secret_folder}"]).mkdir()
+    (Path(paths["{secret_folder}"]) / f"{secret}.pl").write_text("leaked.\n")
+    with sqlite3.connect(paths["{db}"]) as data:
+        data.execute("create table t (x)")
+        data.execute("insert into t values (?)", (secret,))
+    data.close()
+    return paths
+
+
+def marked(mark: str, others: set[int]) -> list[int]:
+    """The living processes with a mark; ``others`` are known to have none."""
+    found = []
+    for entry in os.listdir("/proc"):
+        if not entry.isdigit() or int(entry) in others:
+            continue
+        try:
+            has = f"{MARK}={mark}".encode() in Path("/proc", entry, "environ").read_bytes().split(b"\0")
+        except OSError:
+            has = False
+        found.append(int(entry)) if has else others.add(int(entry))
+    return found
+
+
+def resident(processes: list[int]) -> int:
+    """Bytes of memory that processes have together, shared pages counted for each."""
+    total = 0
+    for number in processes:
+        with suppress(OSError, IndexError, ValueError):
+            total += int(Path("/proc", str(number), "statm").read_text().split()[1]) * PAGE
+    return total
+
+
+def environment(place: Path, mark: str, secret: str) -> dict[str, str]:
+    """Where the run finds its packages, and writes; what it must not tell is in it."""
+    known = {sysconfig.get_path("stdlib"), sysconfig.get_path("platstdlib"), sysconfig.get_path("purelib"), str(seeds.ROOT)}
+    known |= {sys.prefix, sys.base_prefix, str(Path(sys.prefix).resolve()), "/proc/", "/sys/", "/dev/null", "/dev/urandom"}
+    kept = {name: os.environ[name] for name in ("PATH", "LANG", "LD_LIBRARY_PATH") if name in os.environ}
+    return {
+        **kept,
+        "PYTHONPATH": os.pathsep.join([str(AUDIT), str(seeds.ROOT)]), "OPENBLAS_NUM_THREADS": "1", "HOME": str(place / "home"),
+        "TMPDIR": str(place / "tmp"), "PLOGIC_AUDIT": str(place / "audit"), "PLOGIC_AUDIT_KNOWN": os.pathsep.join(sorted(known)),
+        "PLOGIC_BAIT": secret, MARK: mark,
+    }  # fmt: skip
+
+
+def run(door: str, text: str, goal: str, place: Path, limit: float) -> Seen:
+    """Run a text with bait through a door, in a new folder."""
+    secret, mark = secrets.token_hex(12), secrets.token_hex(8)
+    shutil.rmtree(place, ignore_errors=True)
+    for name in ("run", "tmp", "home"):
+        (place / name).mkdir(parents=True)
+    folder = place / "run"
+    paths = bait_in(place / "bait", secret)
+    for name, path in paths.items():
+        text, goal = text.replace(name, path), goal.replace(name, path)
+    words = prepare(folder, door, text, goal)
+    before = _files(place)
+    others = {int(entry) for entry in os.listdir("/proc") if entry.isdigit()}
+    with (folder / ".in").open("rb") as asked, (folder / ".out").open("wb") as out, (folder / ".err").open("wb") as err:
+        begun = monotonic()
+        command = [shutil.which("plogic") or "plogic", *words]
+        started = subprocess.Popen(  # noqa: S603 - our own
+            command, stdin=asked, stdout=out, stderr=err, cwd=folder, env=environment(place, mark, secret), start_new_session=True
+        )
+        status, seconds, memory = _watched(started, begun, begun + limit + PATIENCE, mark, others)
+    left = _settled(mark, others)
+    wrote = {name for name in _files(place) - before if not name.startswith(("home/.cache/plogic", "run/.", "audit"))}
+    said = [(folder / name).read_text("utf-8", "replace") for name in (".out", ".err")]
+    return Seen(
+        status, seconds, memory, _did(place), tuple(sorted(name for name in wrote if name.startswith("bait"))),
+        any(secret in part for part in said), tuple(sorted(name for name in wrote if not name.startswith("bait"))), left,
+        fault_of(status, 0.0, 0, folder),
+    )  # fmt: skip
+
+
+def _watched(started: subprocess.Popen[bytes], begun: float, end: float, mark: str, others: set[int]) -> tuple[int, float, int]:
+    """Wait for the command: its exit status, wall seconds, and the memory of all its processes at worst."""
+    memory = 0
+    while True:
+        with suppress(subprocess.TimeoutExpired):
+            return started.wait(LOOK), monotonic() - begun, memory
+        memory = max(memory, resident(marked(mark, others)))
+        if monotonic() > end:
+            started.kill()
+
+
+def _settled(mark: str, others: set[int]) -> int:
+    """How many processes live some time after the end; they are killed."""
+    end = monotonic() + AFTER
+    while (living := marked(mark, others)) and monotonic() < end:
+        sleep(LOOK)
+    for number in living:
+        with suppress(ProcessLookupError):
+            os.kill(number, signal.SIGKILL)
+    return len(living)
+
+
+def _files(place: Path) -> set[str]:
+    return {str(path.relative_to(place)) for path in place.rglob("*")}
+
+
+def _did(place: Path) -> frozenset[str]:
+    """What the hook wrote down, with the names that differ from run to run taken out."""
+    log = place / "audit"
+    lines = log.read_text("utf-8", "replace").splitlines() if log.exists() else []
+    named = (line.replace(str(place), "{place}") for line in lines)
+    return frozenset(_RANDOM.sub("*", line) for line in named)
