@@ -24,13 +24,14 @@ from benchmarks.fuzz.hostile.doors import DOORS, HARMLESS, door_of, goal_of, lim
 from benchmarks.fuzz.hostile.escapes import escapes
 from benchmarks.fuzz.hostile.hard_counting import grid, hard
 from benchmarks.fuzz.hostile.other_doors import other_doors
-from benchmarks.fuzz.hostile.program import Hostile
 from benchmarks.fuzz.hostile.run import Seen, run
 from benchmarks.fuzz.hostile.texts import texts
 from benchmarks.shared.claims import Claim, report
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator, Sequence
+
+    from benchmarks.fuzz.hostile.program import Hostile
 
 BEYOND = 2.0
 """Seconds by which a program may outlive its limit."""

@@ -109,11 +109,11 @@ LATE = {
     ),
 }
 NUMBERS = {
-    "nine to the nine to the nine": "a(X) :- X is 9 ** 9 ** 9 ** 9. query(a(_)).",
+    "nine to the nine to the nine": "a(X) :- X is 9 ** (9 ** (9 ** 9)). query(a(_)).",
     "a number of a terabit": "a :- X is 1 << (1 << 40), X > 0. query(a).",
-    "a power in a label": "9 ** 9 ** 9 ** 9::a. query(a).",
+    "a power in a label": "9 ** (9 ** (9 ** 9))::a. query(a).",
     "a shift in a label": "1 << 99999999999::a. query(a).",
-    "a power in a rule's label": "2 ** (0 - 2 ** 2 ** 40)::a :- b. b. query(a).",
+    "a power in a rule's label": "2 ** (0 - 2 ** (2 ** 40))::a :- b. b. query(a).",
     "a factorial of a million": "f(0, 1). f(N, X) :- N > 0, M is N - 1, f(M, Y), X is N * Y. a(X) :- f(1000000, X). query(a(_)).",
     "squaring without end": "a :- p(3). p(X) :- Y is X * X, p(Y). query(a).",
     "a square as its digits": "a(X) :- X is 7 ** 1000000. query(a(_)).",
@@ -127,7 +127,9 @@ NUMBERS = {
     "a number in hexadecimal": "a(X) :- X is 0x" + "f" * 1_000_000 + " * 0x" + "e" * 1_000_000 + ". query(a(_)).",
     "an exponent of many digits": "a(1e" + "9" * 4000 + "). 1e-" + "9" * 4000 + "::b. query(a(_)). query(b).",
     "a gamma of much": "a(X) :- X is gamma(171.9), Y is lgamma(1e308), X > Y, exp(710) > 0. query(a(_)).",
-    "a number from a name": "a(X) :- atom_number('1_000e4000', X). b(X) :- atom_number(N, " + "9" * 4200 + "), X = N. query(a(_)). query(b(_)).",
+    "a number from a name": "a(X) :- atom_number('1_000e4000', X). b(X) :- atom_number(N, "
+    + "9" * 4200
+    + "), X = N. query(a(_)). query(b(_)).",
 }
 
 

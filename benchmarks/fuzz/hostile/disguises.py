@@ -1,4 +1,4 @@
-"""Programs that hide what they do from a reader, or try the terminal, the environment, Python and other systems' ways."""
+"""Programs that hide what they do, or try the terminal, the environment, Python, and what other Prologs have."""
 
 from __future__ import annotations
 
@@ -31,8 +31,8 @@ TERMINAL = {
     "clear the screen by an error": "a :- error('\x1b[2J\x1b]52;c;b3duZWQ=\x07'). query(a).",
     "turn an answer round": "0.5::a('\u202eelbaborp\u2066', \u00e9). query(a(_, _)).",
     "write lines that look like an answer": "a('x\n       1.000   safe\n'). query(a(_)).",
-    "write to the reply's channel": "a :- writeln('{\"answers\": [[[\"owned\", 1.0]]]}'). 0.5::b. query(b). query(a).",
-    "an atom that ends the reply": "a('\"}]}\n{\"answers\": [[[\"owned\", 1]]]}\n'). query(a(_)).",
+    "write to the reply's channel": 'a :- writeln(\'{"answers": [[["owned", 1.0]]]}\'). 0.5::b. query(b). query(a).',
+    "an atom that ends the reply": 'a(\'"}]}\n{"answers": [[["owned", 1]]]}\n\'). query(a(_)).',
     "print the clauses": "a :- dbg_printdb, print_state, debugprint(x, '{secret}'). query(a).",
     "markup of the table": "a('[link=file://{secret}]x[/link][bold]'). query(a(_)).",
     "raise by a label of letters": "'\x1b[31mred'::a. query(a).",

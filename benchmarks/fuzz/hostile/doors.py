@@ -10,10 +10,11 @@ import shutil
 from typing import TYPE_CHECKING
 
 from benchmarks.fuzz import seeds
-from benchmarks.fuzz.hostile.program import Hostile
 
 if TYPE_CHECKING:
     from pathlib import Path
+
+    from benchmarks.fuzz.hostile.program import Hostile
 
 DEADLINE = 2.0
 """Seconds that a command is given, where it takes a deadline."""
@@ -57,7 +58,11 @@ def door_of(program: Hostile, number: int) -> str:
     """Which door a program comes through; the ways of a file are taken in turn, a bomb's by those with a deadline."""
     if program.door != "program":
         return program.door
-    ways = ("query", "asked", "worlds", "json") if program.bomb else ("query", "asked", "worlds", "json", "explain", "asked in the shell")
+    ways = (
+        ("query", "asked", "worlds", "json")
+        if program.bomb
+        else ("query", "asked", "worlds", "json", "explain", "asked in the shell")
+    )
     return ways[number % len(ways)]
 
 

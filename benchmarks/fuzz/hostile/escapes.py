@@ -23,7 +23,9 @@ LOADING = {
     "a library's file under a trailing dot": ":- use_module(library('lists.py/.')). a. query(a).",
     "the library that reads tables": ":- use_module(library(db)). :- csv_load('{csv}', row). a(X) :- row(X, _). query(a(_)).",
     "the library that opens databases": ":- use_module(library(db)). :- sqlite_load('{db}'). a(X) :- t(X). query(a(_)).",
-    "the library that replaces the semiring": ":- use_module(library(aproblog)). :- use_semiring(plus, times, zero, one, true, true). 0.5::a. query(a).",
+    "the library that replaces the semiring": (
+        ":- use_module(library(aproblog)). :- use_semiring(plus, times, zero, one, true, true). 0.5::a. query(a)."
+    ),
     "the inner loader": "a :- '_use_module'(none, '{py}'). query(a).",
     "the inner reader": "a :- '_consult'(none, '{pl}'), leaked. query(a).",
     "a module of the same name as a library": ":- module(lists, [a/0]). a :- lists:use_module('{py}'). query(a).",
@@ -49,7 +51,9 @@ BUILT = {
     "a loader in a fact": "todo(consult('{pl}')). a :- todo(G), call(G). query(a).",
     "a loader in a probable fact": "0.5::todo(consult('{pl}')). a :- todo(G), call(G). query(a).",
     "a loader among a choice's heads": "0.3::todo(true); 0.3::todo(use_module('{py}')). a :- todo(G), G. query(a).",
-    "a loader passed through four predicates": "p(G) :- q(G). q(G) :- r(f(G)). r(f(G)) :- s([G]). s([G]) :- once(G). a :- p(consult('{pl}')). query(a).",
+    "a loader passed through four predicates": (
+        "p(G) :- q(G). q(G) :- r(f(G)). r(f(G)) :- s([G]). s([G]) :- once(G). a :- p(consult('{pl}')). query(a)."
+    ),
     "a loader swallowed by try_call": "todo(use_module('{py}')). a :- todo(G), \\+ \\+ try_call(G). query(a).",
     "a loader over a list": ":- use_module(library(apply)). n(consult). a :- n(N), maplist(N, ['{pl}', '{pl}']). query(a).",
     "a loader folded over a list": (

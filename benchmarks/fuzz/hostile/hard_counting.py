@@ -31,16 +31,15 @@ def clauses(variables: int, count: int) -> str:
     """A random formula of three literals a clause."""
     random = Random(0)  # noqa: S311 - no secret
     bodies = [
-        ", ".join(random.choice(("", "\\+ ")) + f"x({i})" for i in random.sample(range(variables), 3)) for _ in range(count)
+        ", ".join(random.choice(("", "\\+ ")) + f"x({i})" for i in random.sample(range(variables), 3))
+        for _ in range(count)
     ]
     return f"{_choices(variables)}{''.join(f'bad :- {body}. ' for body in bodies)}a :- \\+ bad. query(a)."
 
 
 def pigeons(holes: int) -> str:
     """One pigeon more than holes: evidence that is impossible, which only all ways show."""
-    facts = "".join(
-        "; ".join(f"1/{holes}::in({p},{h})" for h in range(holes)) + ". " for p in range(holes + 1)
-    )
+    facts = "".join("; ".join(f"1/{holes}::in({p},{h})" for h in range(holes)) + ". " for p in range(holes + 1))
     return f"{facts}clash :- in(P,H), in(Q,H), P < Q. evidence(\\+ clash). 0.5::a. query(a)."
 
 
@@ -55,7 +54,9 @@ def colouring(nodes: int, edges: int) -> str:
     random = Random(1)  # noqa: S311 - no secret
     chosen = random.sample(list(combinations(range(nodes), 2)), edges)
     facts = "".join(f"0.3::c({i},r); 0.3::c({i},g); 0.4::c({i},b). " for i in range(nodes))
-    return f"{facts}{''.join(f'bad :- c({i},X), c({j},X). ' for i, j in chosen)}evidence(\\+ bad). a :- c(0,r). query(a)."
+    return (
+        f"{facts}{''.join(f'bad :- c({i},X), c({j},X). ' for i, j in chosen)}evidence(\\+ bad). a :- c(0,r). query(a)."
+    )
 
 
 def product(bits: int) -> str:
@@ -85,7 +86,9 @@ def friends(people: int) -> str:
     """Who smokes because friends smoke, in circles."""
     facts = "".join(f"0.3::s({i}). " for i in range(people))
     pairs = "".join(f"0.1::i({i},{j}). " for i in range(people) for j in range(people) if i != j)
-    return f"{facts}{pairs}k(X) :- s(X). k(X) :- i(Y,X), k(Y). a :- k(0), \\+ k({people - 1}). evidence(k(3)). query(a)."
+    return (
+        f"{facts}{pairs}k(X) :- s(X). k(X) :- i(Y,X), k(Y). a :- k(0), \\+ k({people - 1}). evidence(k(3)). query(a)."
+    )
 
 
 def hidden_states(steps: int) -> str:
@@ -126,7 +129,9 @@ HARD = {
     "a subquery of a hard one in a subquery": lambda: grid(9).replace(
         "query(a).", "b :- subquery(a, P), P > 0.1. c :- subquery(b, P), P > 0. query(c)."
     ),
-    "a subquery by another compiler": lambda: grid(9).replace("query(a).", 'b :- subquery(a, P, [], prob, "bdd"). query(b).'),
+    "a subquery by another compiler": lambda: grid(9).replace(
+        "query(a).", 'b :- subquery(a, P, [], prob, "bdd"). query(b).'
+    ),
     "a hard one as evidence": lambda: grid(10).replace("query(a).", "0.5::z. evidence(a). query(z)."),
     "evidence against itself behind a hard one": lambda: grid(9).replace(
         "query(a).", "evidence(a). evidence(\\+ b). b :- a. 0.5::z. query(z)."
@@ -159,7 +164,11 @@ MANY = {
         + " :- between(1,200,X). a(Y) :- c(1,Y), c(2,Y). query(c(_,_)). query(a(_))."
     ),
     "a predicate of five thousand places": lambda: (
-        "0.5::h. p(" + ", ".join(f"X{i}" for i in range(5000)) + ") :- h. a :- p(" + ", ".join("x" for _ in range(5000)) + "). query(a)."
+        "0.5::h. p("
+        + ", ".join(f"X{i}" for i in range(5000))
+        + ") :- h. a :- p("
+        + ", ".join("x" for _ in range(5000))
+        + "). query(a)."
     ),
     "a clause of three thousand variables": lambda: (
         "d(1). d(2). a :- " + ", ".join(f"d(X{i})" for i in range(900)) + ", X0 > X1, X1 > X2. query(a)."

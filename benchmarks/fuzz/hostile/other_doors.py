@@ -45,7 +45,7 @@ SCENE_TEXT = {
 LINES = {
     "a loader asked in the shell": "ask consult('{pl}')\nask G =.. [use_module, '{py}'], call(G)",
     "a loader observed in the shell": "observe consult('{pl}')\npredict a\nworlds 3",
-    "the shell's own verbs on files": "listing {secret}\nlisting consult/1\nload {pl}\nhelp {secret}",
+    "the shell's own verbs on files": "listing {secret}\nlisting consult/1\nhelp {secret}",
     "the system's shell from the shell": "!touch {new}\n$(touch {new})\n`touch {new}`\nask a; touch {new}",
 }
 

@@ -32,16 +32,16 @@ PATIENCE = 30.0
 """Seconds over the limit after which a run is killed."""
 AUDIT = Path(__file__).parent / "audit"
 PAGE = os.sysconf("SC_PAGE_SIZE")
-_RANDOM = re.compile(r"(?<=plogic-child-)\w{8}|(?<=\{place\}/tmp/)\w{8}\b|\d{3,}")
-"""Names that differ from run to run: scratch folders, what ``tempfile`` tries a folder with, numbers of processes."""
+_OURS = re.compile(r"(?!subprocess)\S+ \{place\}/tmp/|subprocess.Popen \S*/problog/bin/")
+"""What is no fault of a program: scratch files, of which none may be left, and the compilers that ProbLog ships."""
 
 
 @dataclass(frozen=True)
 class Seen:
-    """What was seen of a run. ``did``: what it opened and started, its own folders by their names.
+    """What was seen of a run. ``did``: what it opened and started.
 
-    ``owned``: bait that was taken; ``told``: whether a secret was printed; ``left``: files and processes; ``fault``: what
-    was wrong with how it ended.
+    ``owned``: bait that was taken; ``told``: whether a secret was printed; ``left``: files and processes; ``fault``:
+    what was wrong with how it ended.
     """
 
     status: int
@@ -84,15 +84,18 @@ def bait_in(folder: Path, secret: str) -> dict[str, str]:
 def marked(mark: str, others: set[int]) -> list[int]:
     """The living processes with a mark; ``others`` are known to have none."""
     found = []
-    for entry in os.listdir("/proc"):
-        if not entry.isdigit() or int(entry) in others:
-            continue
+    for number in numbers() - others:
         try:
-            has = f"{MARK}={mark}".encode() in Path("/proc", entry, "environ").read_bytes().split(b"\0")
+            has = f"{MARK}={mark}".encode() in Path(f"/proc/{number}/environ").read_bytes().split(b"\0")
         except OSError:
             has = False
-        found.append(int(entry)) if has else others.add(int(entry))
+        found.append(number) if has else others.add(number)
     return found
+
+
+def numbers() -> set[int]:
+    """Of all processes, as far as the system tells."""
+    return {int(path.name) for path in Path("/proc").glob("[0-9]*")}
 
 
 def resident(processes: list[int]) -> int:
@@ -105,13 +108,26 @@ def resident(processes: list[int]) -> int:
 
 
 def environment(place: Path, mark: str, secret: str) -> dict[str, str]:
-    """Where the run finds its packages, and writes; what it must not tell is in it."""
-    known = {sysconfig.get_path("stdlib"), sysconfig.get_path("platstdlib"), sysconfig.get_path("purelib"), str(seeds.ROOT)}
-    known |= {sys.prefix, sys.base_prefix, str(Path(sys.prefix).resolve()), "/proc/", "/sys/", "/dev/null", "/dev/urandom"}
+    """Where the run finds its packages, and writes, a home with caches for all; what it must not tell is in it."""
+    known = {
+        sysconfig.get_path("stdlib"),
+        sysconfig.get_path("platstdlib"),
+        sysconfig.get_path("purelib"),
+        str(seeds.ROOT),
+    }
+    known |= {
+        sys.prefix,
+        sys.base_prefix,
+        str(Path(sys.prefix).resolve()),
+        "/proc/",
+        "/sys/",
+        "/dev/null",
+        "/dev/urandom",
+    }
     kept = {name: os.environ[name] for name in ("PATH", "LANG", "LD_LIBRARY_PATH") if name in os.environ}
     return {
         **kept,
-        "PYTHONPATH": os.pathsep.join([str(AUDIT), str(seeds.ROOT)]), "OPENBLAS_NUM_THREADS": "1", "HOME": str(place / "home"),
+        "PYTHONPATH": os.pathsep.join([str(AUDIT), str(seeds.ROOT)]), "OPENBLAS_NUM_THREADS": "1", "HOME": str(place.parent / "home"),
         "TMPDIR": str(place / "tmp"), "PLOGIC_AUDIT": str(place / "audit"), "PLOGIC_AUDIT_KNOWN": os.pathsep.join(sorted(known)),
         "PLOGIC_BAIT": secret, MARK: mark,
     }  # fmt: skip
@@ -121,24 +137,30 @@ def run(door: str, text: str, goal: str, place: Path, limit: float) -> Seen:
     """Run a text with bait through a door, in a new folder."""
     secret, mark = secrets.token_hex(12), secrets.token_hex(8)
     shutil.rmtree(place, ignore_errors=True)
-    for name in ("run", "tmp", "home"):
-        (place / name).mkdir(parents=True)
+    for path in (place / "run", place / "tmp", place.parent / "home"):
+        path.mkdir(parents=True, exist_ok=True)
     folder = place / "run"
     paths = bait_in(place / "bait", secret)
     for name, path in paths.items():
         text, goal = text.replace(name, path), goal.replace(name, path)
     words = prepare(folder, door, text, goal)
     before = _files(place)
-    others = {int(entry) for entry in os.listdir("/proc") if entry.isdigit()}
+    others = numbers()
     with (folder / ".in").open("rb") as asked, (folder / ".out").open("wb") as out, (folder / ".err").open("wb") as err:
         begun = monotonic()
-        command = [shutil.which("plogic") or "plogic", *words]
+        command = [str(Path(sys.executable).parent / "plogic"), *words]
         started = subprocess.Popen(  # noqa: S603 - our own
-            command, stdin=asked, stdout=out, stderr=err, cwd=folder, env=environment(place, mark, secret), start_new_session=True
+            command,
+            stdin=asked,
+            stdout=out,
+            stderr=err,
+            cwd=folder,
+            env=environment(place, mark, secret),
+            start_new_session=True,
         )
         status, seconds, memory = _watched(started, begun, begun + limit + PATIENCE, mark, others)
     left = _settled(mark, others)
-    wrote = {name for name in _files(place) - before if not name.startswith(("home/.cache/plogic", "run/.", "audit"))}
+    wrote = {name for name in _files(place) - before if not name.startswith(("run/.", "audit"))}
     said = [(folder / name).read_text("utf-8", "replace") for name in (".out", ".err")]
     return Seen(
         status, seconds, memory, _did(place), tuple(sorted(name for name in wrote if name.startswith("bait"))),
@@ -147,7 +169,9 @@ def run(door: str, text: str, goal: str, place: Path, limit: float) -> Seen:
     )  # fmt: skip
 
 
-def _watched(started: subprocess.Popen[bytes], begun: float, end: float, mark: str, others: set[int]) -> tuple[int, float, int]:
+def _watched(
+    started: subprocess.Popen[bytes], begun: float, end: float, mark: str, others: set[int]
+) -> tuple[int, float, int]:
     """Wait for the command: its exit status, wall seconds, and the memory of all its processes at worst."""
     memory = 0
     while True:
@@ -177,5 +201,5 @@ def _did(place: Path) -> frozenset[str]:
     """What the hook wrote down, with the names that differ from run to run taken out."""
     log = place / "audit"
     lines = log.read_text("utf-8", "replace").splitlines() if log.exists() else []
-    named = (line.replace(str(place), "{place}") for line in lines)
-    return frozenset(_RANDOM.sub("*", line) for line in named)
+    named = (re.sub(r"(plogic-child-)\w+|\d{3,}", r"\1*", line.replace(str(place), "{place}")) for line in lines)
+    return frozenset(line for line in named if not _OURS.match(line))

@@ -31,7 +31,9 @@ TEXTS = {
     "a rule's sign in a comment": partial(filled, ":- ", before="a. query(a). % "),
     "empty directives": partial(filled, ":- true.\n"),
     "directives of long rows": lambda: "a. query(a).\n" + (":- " + "true, " * 190 + "true.\n") * 700,
-    "eight megabytes of facts": partial(filled, "0.5::b(x,1).\n", before=":- true. query(a). a. constraint(x) :- b(x,1).\n"),
+    "eight megabytes of facts": partial(
+        filled, "0.5::b(x,1).\n", before=":- true. query(a). a. constraint(x) :- b(x,1).\n"
+    ),
     "eight megabytes of one name": lambda: filled("x", before="a('", after="'). query(a(_))."),
     "eight megabytes of one variable": lambda: filled("X", before="a(", after="). query(a(_))."),
     "a comment that is never closed": partial(filled, "/* * ", before="a. query(a). "),
@@ -47,11 +49,14 @@ TEXTS = {
     "negations of negations": lambda: "0.5::b. a :- " + "\\+ (" * 900 + "b" + ")" * 900 + ". query(a).",
     "a term of a hundred thousand layers": lambda: "b(" + "f(" * 100_000 + "x" + ")" * 100_000 + "). a. query(a).",
     "a list of half a million": lambda: "a([" + "1," * 500_000 + "1]). query(a(_)).",
-    "names that nearly match": lambda: "".join(f"{'ab' * 100}{i}(x). " for i in range(3000)) + f"a :- {'ba' * 100}(x). query(a).",
+    "names that nearly match": lambda: (
+        "".join(f"{'ab' * 100}{i}(x). " for i in range(3000)) + f"a :- {'ba' * 100}(x). query(a)."
+    ),
     "unknown calls, thousands": lambda: "".join(f"a({i}) :- unknown{i}(x). " for i in range(3000)) + "query(a(_)).",
     "mistakes, thousands": lambda: ":- consult(x). " * 4000,
     "a negation in a large circle": lambda: (
-        "".join(f"p{i} :- p{(7 * i + 3) % 3000}, p{(5 * i + 1) % 3000}. " for i in range(3000)) + "p0 :- \\+ p1. a :- p0. query(a)."
+        "".join(f"p{i} :- p{(7 * i + 3) % 3000}, p{(5 * i + 1) % 3000}. " for i in range(3000))
+        + "p0 :- \\+ p1. a :- p0. query(a)."
     ),
     "signs of operators": partial(filled, "=.. @>= =:= ", 40_000),
 }
@@ -61,7 +66,7 @@ GOALS = {
     "a goal of a hundred thousand letters": LONG_GOAL,
     "a goal whose row is just not too long": "b" + ", b" * 6900,
     "a goal that counts without end": "between(1, inf, X), X < 0",
-    "a goal of a large number": "X is 9 ** 9 ** 9 ** 9",
+    "a goal of a large number": "X is 9 ** (9 ** (9 ** 9))",
     "a goal that collects in a collection": "findall(X, (between(1, 100000000, X), findall(Y, between(1, 1000, Y), _)), L)",
     "a goal of many layers": "\\+ (" * 3000 + "b" + ")" * 3000,
 }
@@ -72,25 +77,25 @@ SCENE_GOALS = {
     "a scene's list of lists": "findall(H, present(H), L), findall(M, (between(1, 10000000, M), M < 0), [])",
 }
 GIVEN = {
-    "evidence of a large number": "0 < 9 ** 9 ** 9 ** 9",
+    "evidence of a large number": "0 < 9 ** (9 ** (9 ** 9))",
     "evidence that does not end": "\\+ (between(1, inf, X), X < 0)",
     "evidence in a long row": "b" + ", b" * 6900,
 }
 RULES = {
-    "rules with a large label": "9 ** 9 ** 9 ** 9::c. evidence(c).",
+    "rules with a large label": "9 ** (9 ** (9 ** 9))::c. evidence(c).",
     "rules that do not end": "p(X) :- p(f(X)). evidence(p(z)).",
     "rules in a long row": "c :- " + "b, " * 6900 + "b. evidence(c).",
     "rules of eight megabytes": lambda: filled("0.5::c(x,1).\n", before="c :- b.\n"),
 }
 SCENE_RULES = {
-    "a scene's rules with a large label": "9 ** 9 ** 9 ** 9::c. constraint(x) :- present(_), \\+ c.",
+    "a scene's rules with a large label": "9 ** (9 ** (9 ** 9))::c. constraint(x) :- present(_), \\+ c.",
     "a scene's constraint that does not end": "constraint(X) :- present(_), between(1, inf, X), X < 0.",
     "a scene's constraint of a million names": "constraint(X) :- present(_), between(1, 1000000, X).",
     "a scene's rules in a long row": "constraint(x) :- " + "present(_), " * 6900 + "present(_).",
     "a scene's choices, thousands": "0.5::c(X) :- between(1, 100000, X). constraint(X) :- c(X), c(Y), Y > X, present(_).",
 }
 KB_RULES = {
-    "a knowledge base's rules with a large label": "9 ** 9 ** 9 ** 9::c. constraint(x) :- c.",
+    "a knowledge base's rules with a large label": "9 ** (9 ** (9 ** 9))::c. constraint(x) :- c.",
     "a knowledge base's rules in a long row": "constraint(x) :- " + "present(_), " * 6900 + "present(_).",
     "a knowledge base's rules that say nothing, long": lambda: filled("0.5::c(x,1).\n", 999_000, before=""),
     "a knowledge base's rules with signs of rules": lambda: filled(":- ", 999_000, before="% "),
@@ -108,7 +113,7 @@ DEFAULT = {
 """Asked where no deadline can be given."""
 LINES = {
     "an endless goal in the shell": "ask between(1, inf, X), X < 0\nask b",
-    "a large number in the shell": "observe 0 < 9 ** 9 ** 9 ** 9\nworlds",
+    "a large number in the shell": "observe 0 < 9 ** (9 ** (9 ** 9))\nworlds",
     "a line of a megabyte in the shell": "ask " + LONG_GOAL * 8,
 }
 

@@ -4,10 +4,12 @@ The verbs are those of Python (``plogic.face.python``); here their results becom
 """
 
 import json
+import math
 import re
 import sys
 from collections.abc import Callable, Sequence
-from dataclasses import asdict
+from dataclasses import asdict, replace
+from time import monotonic
 from typing import TYPE_CHECKING
 
 from plogic.base.errors import InputError, LimitError
@@ -72,7 +74,8 @@ def _opened(source: str, options: Asking) -> Asked:
 
 def _endless(text: str, file: str) -> list[str]:
     """Without ProbLog where no clause has a number or a term that grows."""
-    if re.search(r":-[^.]*(\bis\b|\(\s*\w+\()", text) is None:
+    bodies = (clause.partition(":-")[2] for clause in text.split("."))
+    if not any(re.search(r"\bis\b|\(\s*+\w++\(", body) for body in bodies):
         return []
     load_problog()
     from plogic.logic.safety.recursion import surely_endless
@@ -82,8 +85,7 @@ def _endless(text: str, file: str) -> list[str]:
 
 def _idle(program: Program) -> list[str]:
     """Without ProbLog where the text cannot hold any."""
-    lines = [line.lstrip() for line in program.text.splitlines()]
-    if not any(line.startswith(":-") or "constraint" in line for line in lines):
+    if re.search(r"(?m)^[ \t]*+:-|constraint", program.text) is None:
         return []
     load_problog()
     from plogic.logic.safety.added import idle
@@ -198,7 +200,7 @@ def query_command(
 
     Exit 3 where the deadline was reached, answers then being intervals.
     """
-    asked = _opened(source, options)
+    asked, begun = _opened(source, options), monotonic()
     found = asked.query(goal, given=given, rules=options.rules, deadline=options.deadline)
     document: rows.Answers = {
         "format": "answers/1",
@@ -215,7 +217,9 @@ def query_command(
             return table
         said = [] if found.answers else [_none(source, goal)]
         if goal is not None:
-            said += unknown_names(asked.beside(options.rules), goal, limits=asked.limits)
+            left = math.inf if options.deadline is None else options.deadline - (monotonic() - begun)
+            limits = replace(asked.limits, seconds=max(0.0, min(asked.limits.seconds, left)))
+            said += unknown_names(asked.beside(options.rules), goal, limits=limits)
         return "\n".join([table.rstrip(), "", *said, ""]) if said else table
 
     return _told(document, found, text, WITHIN if found.answers else NOTHING, as_json=as_json)

@@ -13,6 +13,7 @@ TOLD = {
     "subprocess.Popen", "os.system", "os.exec", "os.posix_spawn", "os.fork", "os.forkpty", "pty.spawn", "os.startfile", "socket.connect",
     "socket.bind", "socket.getaddrinfo", "urllib.Request", "sqlite3.connect", "webbrowser.open", "syslog.syslog",
 }  # fmt: skip
+READS = {"os.listdir", "os.scandir"}
 
 
 def _begin(path: str) -> None:
@@ -23,13 +24,15 @@ def _begin(path: str) -> None:
         if event not in TOLD:
             return
         what = os.fsdecode(args[0]) if args and isinstance(args[0], (str, bytes, os.PathLike)) else ""
-        if event == "open":
-            if not what or (what.startswith(known) and ("__pycache__" in what or not _writes(args))):
-                return
-        elif event in ("os.listdir", "os.scandir") and what.startswith(known):
+        if event == "open" and not what:  # of what is open already
+            return
+        path = what if what.startswith("/") else os.path.abspath(what)  # noqa: PTH100 - resolve() would open what it follows
+        if path.startswith(known) and (
+            "__pycache__" in path or event in READS or (event == "open" and not _writes(args))
+        ):
             return
         words = args[1] if event == "subprocess.Popen" else ()
-        line = " ".join([event, what, *(map(str, words) if isinstance(words, (list, tuple)) else ())])
+        line = " ".join([event, path, *(map(str, words) if isinstance(words, (list, tuple)) else ())])
         os.write(log, line.replace("\n", " ").encode("utf-8", "replace") + b"\n")
 
     sys.addaudithook(hook)
