@@ -22,9 +22,9 @@ from benchmarks.fuzz.hostile.bombs import bombs
 from benchmarks.fuzz.hostile.disguises import disguises
 from benchmarks.fuzz.hostile.doors import DOORS, HARMLESS, door_of, goal_of, limit_of
 from benchmarks.fuzz.hostile.escapes import escapes
-from benchmarks.fuzz.hostile.hard_counting import grid, hard
+from benchmarks.fuzz.hostile.hard_counting import clauses, grid, hard
 from benchmarks.fuzz.hostile.other_doors import other_doors
-from benchmarks.fuzz.hostile.run import Seen, run
+from benchmarks.fuzz.hostile.run import Seen, killed, run
 from benchmarks.fuzz.hostile.texts import texts
 from benchmarks.shared.claims import Claim, report
 
@@ -73,12 +73,16 @@ class Told:
 
     def faults(self) -> list[str]:
         """What must not have happened."""
+        late = [f"{self.beyond:.1f} s beyond its limit"] * (self.beyond > BEYOND)
+        return self.misdeeds() + late
+
+    def misdeeds(self) -> list[str]:
+        """The same, whatever time it took."""
         seen = self.seen
         found = {
             f"took bait: {seen.owned}": bool(seen.owned),
             f"opened or started: {self.did[:3]}": bool(self.did),
             "told a secret": seen.told,
-            f"{self.beyond:.1f} s beyond its limit": self.beyond > BEYOND,
             f"left files: {seen.left_files[:3]}": bool(seen.left_files),
             f"left {seen.left_processes} processes": seen.left_processes > 0,
             f"{seen.fault}": seen.fault is not None,
@@ -109,7 +113,9 @@ class Bench:
         with ThreadPoolExecutor(self.jobs) as pool:
             goals = {"scene rules": "present(H)", "interpretation": "present(H)"}
             runs = [
-                pool.submit(run, door, text, goals.get(door, "a"), self.folder / f"harmless{i}", limit_of(door, text))
+                pool.submit(
+                    run, door, text, goals.get(door, "a"), self.folder / f"harmless{i}", limit_of(door, text, bomb=True)
+                )
                 for i, (door, text) in enumerate(given)
             ]
             return [(door, each.result()) for (door, _), each in zip(given, runs, strict=True)]
@@ -123,11 +129,12 @@ class Bench:
                     self.measure(sorted({door for door, _ in some}))
                 runs = [pool.submit(self._one, begin + i, door, program) for i, (door, program) in enumerate(some)]
                 for (door, program), each in zip(some, runs, strict=True):
-                    limit, seen = limit_of(door, program.text), each.result()
+                    limit, seen = limit_of(door, program.text, bomb=program.bomb), each.result()
                     yield Told(program, door, limit, seen, self.start[door], tuple(sorted(seen.did - self.familiar)))
 
     def _one(self, number: int, door: str, program: Hostile) -> Seen:
-        return run(door, program.text, goal_of(program), self.folder / f"hostile{number}", limit_of(door, program.text))
+        limit = limit_of(door, program.text, bomb=program.bomb)
+        return run(door, program.text, goal_of(program), self.folder / f"hostile{number}", limit)
 
 
 def attacked(programs: Sequence[Hostile], jobs: int, say: Callable[[str], None] = print) -> tuple[list[Told], int]:
@@ -162,10 +169,9 @@ def rows_of(told: Sequence[Told]) -> list[dict[str, Any]]:
     ]
 
 
-def claims(told: Sequence[Told]) -> list[Claim]:
-    """What must hold of all programs together."""
+def claims(told: Sequence[Told], left: int | None) -> list[Claim]:
+    """What must hold of all programs together; ``left``: processes of a command that was killed."""
     return [
-        Claim("programs", ">=", 1, len(told)),
         Claim("ran code, or took bait", "<=", 0, sum(bool(each.seen.owned) for each in told)),
         Claim("opened or started something", "<=", 0, sum(bool(each.did) for each in told)),
         Claim("told a secret", "<=", 0, sum(each.seen.told for each in told)),
@@ -173,6 +179,7 @@ def claims(told: Sequence[Told]) -> list[Claim]:
         Claim("left a process", "<=", 0, sum(each.seen.left_processes > 0 for each in told)),
         Claim("left a file", "<=", 0, sum(bool(each.seen.left_files) for each in told)),
         Claim("ended in an internal error", "<=", 0, sum(each.seen.fault is not None for each in told)),
+        Claim("processes left by SIGKILL while a compiler works", "<=", 0, left),
     ]
 
 
@@ -185,8 +192,12 @@ def main(jobs: int, only: str, every: int, *, as_json: bool) -> None:
     """Run hostile programs, and say what came of it."""
     programs = [program for program in corpus() if only in program.tries or only == program.door][::every]
     told, memory = attacked(programs, jobs, lambda line: click.echo(line, err=True))
+    with tempfile.TemporaryDirectory(prefix="plogic-killed-") as folder:
+        left = killed(clauses(120, 480), Path(folder))
     name = f"hostile programs: {len(told)}, {sum(each.program.bomb for each in told)} of them bombs"
-    text, met = report(f"{name}; harmless ones take {memory >> 20} MB", rows_of(told), claims(told), as_json=as_json)
+    text, met = report(
+        f"{name}; harmless ones take {memory >> 20} MB", rows_of(told), claims(told, left), as_json=as_json
+    )
     click.echo(text)
     sys.exit(0 if met else 1)
 

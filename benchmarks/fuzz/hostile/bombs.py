@@ -16,7 +16,7 @@ ENDLESS = {
     "asking all of something endless": "n(z). n(s(X)) :- n(X). a :- forall(n(X), X = z). query(a).",
     "negating something endless": "n(z, z). n(X, s(Y)) :- n(X, Y). a :- \\+ n(q, _). query(a).",
     "a directive that does not end": "p(X) :- Y is X + 1, p(Y). :- p(0). a. query(a).",
-    "evidence that does not end": "p(X) :- p(f(X)). 0.5::a. evidence(p(z)). query(a).",
+    "evidence that never ends": "p(X) :- p(f(X)). 0.5::a. evidence(p(z)). query(a).",
     "a query that does not end": "n(z). n(s(X)) :- n(X). query(n(X)).",
     "choices without end": "0.5::c(X) :- n(X). n(0). n(Y) :- n(X), Y is X + 1. a :- c(_). query(a).",
     "a label that does not end": "P::a :- p(P, 1). p(P, N) :- M is N + 1, p(P, M). query(a).",

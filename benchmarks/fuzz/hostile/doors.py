@@ -16,15 +16,15 @@ if TYPE_CHECKING:
 
     from benchmarks.fuzz.hostile.program import Hostile
 
-DEADLINE = 2.0
-"""Seconds that a command is given, where it takes a deadline."""
+DEADLINES = {True: 2.0, False: 20.0}
+"""Seconds that a bomb is given, and what is none and is to come as far as it can, where a command takes a deadline."""
 DEFAULT = 60.0
 """Seconds of an inference where it takes none (``plogic.logic.served.engine.Limits``)."""
 CHECKED = 10.0
 """Processor seconds that reading may take, where nothing is inferred: the bar of ``benchmarks.fuzz.worker``."""
 BASE = "0.5::a.\nb.\nquery(a).\n"
 """A harmless program, beside which goals, evidence and rules come."""
-SHOWN = ("--deadline", f"{DEADLINE:g}")
+SHOWN = ("--deadline", "{deadline}")
 DOORS: dict[str, tuple[str, ...]] = {
     "query": ("query", "p.pl", *SHOWN),
     "asked": ("query", "p.pl", "{goal}", *SHOWN),
@@ -42,10 +42,11 @@ DOORS: dict[str, tuple[str, ...]] = {
     "kb": ("kb", "check", "kb"),
     "perceive": ("perceive", "gamma.json", "--kb", "kb", "-o", "-", *SHOWN),
     "shell": ("shell", "base.pl"),
+    "trusted": ("query", "p.pl", "--trust", *SHOWN),
 }
-"""Door → the words of its command."""
+"""Door → the words of its command. By the last, which no program takes, a test sees that misdeeds are seen."""
 HARMLESS = {
-    **dict.fromkeys(("query", "asked", "worlds", "json", "explain", "asked in the shell"), BASE),
+    **dict.fromkeys(("query", "asked", "worlds", "json", "explain", "asked in the shell", "trusted"), BASE),
     "goal": "b, a", "scene goal": "present(h1)", "given": "b", "scene given": "present(h1)", "rules": "c :- b. evidence(c).",
     "scene rules": "constraint(x) :- present(_), fail.", "interpretation": "constraint(x) :- present(_), fail.",
     "kb": "constraint(x) :- present(_), fail.", "perceive": "constraint(x) :- present(_), fail.", "shell": "ask b\nworlds\n",
@@ -66,9 +67,9 @@ def door_of(program: Hostile, number: int) -> str:
     return ways[number % len(ways)]
 
 
-def limit_of(door: str, text: str) -> float:
+def limit_of(door: str, text: str, *, bomb: bool) -> float:
     """Seconds that its inferences may take together."""
-    return DEFAULT * len(text.splitlines()) if door == "shell" else SLOW_DOORS.get(door, DEADLINE)
+    return DEFAULT * len(text.splitlines()) if door == "shell" else SLOW_DOORS.get(door, DEADLINES[bomb])
 
 
 def goal_of(program: Hostile) -> str:
@@ -78,7 +79,7 @@ def goal_of(program: Hostile) -> str:
     return program.text[start + 6 : end] if program.door == "program" and 0 <= start < end else program.asked
 
 
-def prepare(folder: Path, door: str, text: str, goal: str) -> list[str]:
+def prepare(folder: Path, door: str, text: str, goal: str, limit: float) -> list[str]:
     """Write what a command needs, and return its words."""
     words = DOORS[door]
     (folder / "base.pl").write_text(BASE)
@@ -93,5 +94,5 @@ def prepare(folder: Path, door: str, text: str, goal: str) -> list[str]:
         (folder / "kb" / "rules.pl").write_text(text, encoding="utf-8")
     lines = {"shell": text, "asked in the shell": f"ask {goal}\nworlds 3\nwhy {goal}\n"}
     (folder / ".in").write_text(lines.get(door, ""), encoding="utf-8")
-    said = {"{text}": text, "{goal}": goal}
+    said = {"{text}": text, "{goal}": goal, "{deadline}": f"{limit:g}"}
     return [said.get(word, word) for word in words]

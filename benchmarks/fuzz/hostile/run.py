@@ -66,7 +66,8 @@ def bait_in(folder: Path, secret: str) -> dict[str, str]:
         )
     }  # fmt: skip
     Path(paths["{py}"]).write_text(
-        f"import os\nopen({str(folder / 'owned')!r}, 'w').close()\nos.system('sleep 3 &')\n"
+        f"import os, subprocess\nopen({str(folder / 'owned')!r}, 'w').close()\nos.system('true')\n"
+        "subprocess.Popen(['sleep', '30'], start_new_session=True)\n"
         "from problog.extern import problog_export\n@problog_export('-int')\ndef owned():\n    return 7\n"
     )
     Path(paths["{pl}"]).write_text(f":- use_module('{paths['{py}']}').\nleaked.\ntoken('{secret}').\n")
@@ -143,22 +144,11 @@ def run(door: str, text: str, goal: str, place: Path, limit: float) -> Seen:
     paths = bait_in(place / "bait", secret)
     for name, path in paths.items():
         text, goal = text.replace(name, path), goal.replace(name, path)
-    words = prepare(folder, door, text, goal)
+    words = prepare(folder, door, text, goal, limit)
     before = _files(place)
-    others = numbers()
-    with (folder / ".in").open("rb") as asked, (folder / ".out").open("wb") as out, (folder / ".err").open("wb") as err:
-        begun = monotonic()
-        command = [str(Path(sys.executable).parent / "plogic"), *words]
-        started = subprocess.Popen(  # noqa: S603 - our own
-            command,
-            stdin=asked,
-            stdout=out,
-            stderr=err,
-            cwd=folder,
-            env=environment(place, mark, secret),
-            start_new_session=True,
-        )
-        status, seconds, memory = _watched(started, begun, begun + limit + PATIENCE, mark, others)
+    begun, others = monotonic(), numbers()
+    started = _started(words, place, environment(place, mark, secret))
+    status, seconds, memory = _watched(started, begun, begun + limit + PATIENCE, mark, others)
     left = _settled(mark, others)
     wrote = {name for name in _files(place) - before if not name.startswith(("run/.", "audit"))}
     said = [(folder / name).read_text("utf-8", "replace") for name in (".out", ".err")]
@@ -167,6 +157,37 @@ def run(door: str, text: str, goal: str, place: Path, limit: float) -> Seen:
         any(secret in part for part in said), tuple(sorted(name for name in wrote if not name.startswith("bait"))), left,
         fault_of(status, 0.0, 0, folder),
     )  # fmt: skip
+
+
+def _started(words: list[str], place: Path, variables: dict[str, str]) -> subprocess.Popen[bytes]:
+    folder = place / "run"
+    with (folder / ".in").open("rb") as asked, (folder / ".out").open("wb") as out, (folder / ".err").open("wb") as err:
+        command = [str(Path(sys.executable).parent / "plogic"), *words]
+        return subprocess.Popen(  # noqa: S603 - our own
+            command, stdin=asked, stdout=out, stderr=err, cwd=folder, env=variables, start_new_session=True
+        )
+
+
+def killed(text: str, place: Path) -> int | None:
+    """How many processes live on after SIGKILL to a command whose compiler is at work; None where none was seen."""
+    mark = secrets.token_hex(8)
+    for path in (place / "run", place / "tmp"):
+        path.mkdir(parents=True)
+    words, others = prepare(place / "run", "explain", text, "a", 0.0), numbers()
+    started, end = _started(words, place, environment(place, mark, "")), monotonic() + PATIENCE
+    while not (compiles := any(map(_compiles, marked(mark, others)))) and monotonic() < end:
+        sleep(LOOK)
+    started.kill()
+    started.wait()
+    left = _settled(mark, others)
+    return left if compiles else None
+
+
+def _compiles(number: int) -> bool:
+    try:
+        return b"/problog/bin/" in Path(f"/proc/{number}/cmdline").read_bytes()
+    except OSError:
+        return False
 
 
 def _watched(

@@ -4,14 +4,13 @@ The verbs are those of Python (``plogic.face.python``); here their results becom
 """
 
 import json
-import math
 import re
 import sys
 from collections.abc import Callable, Sequence
 from dataclasses import asdict, replace
-from time import monotonic
 from typing import TYPE_CHECKING
 
+from plogic.base.clock import Clock
 from plogic.base.errors import InputError, LimitError
 from plogic.face.python.asking import EXPLANATIONS, Asked, Program, opened
 from plogic.face.session.minds import ranked
@@ -200,7 +199,7 @@ def query_command(
 
     Exit 3 where the deadline was reached, answers then being intervals.
     """
-    asked, begun = _opened(source, options), monotonic()
+    asked, clock = _opened(source, options), Clock(options.deadline)
     found = asked.query(goal, given=given, rules=options.rules, deadline=options.deadline)
     document: rows.Answers = {
         "format": "answers/1",
@@ -217,8 +216,7 @@ def query_command(
             return table
         said = [] if found.answers else [_none(source, goal)]
         if goal is not None:
-            left = math.inf if options.deadline is None else options.deadline - (monotonic() - begun)
-            limits = replace(asked.limits, seconds=max(0.0, min(asked.limits.seconds, left)))
+            limits = replace(asked.limits, seconds=max(0.0, min(asked.limits.seconds, clock.left())))
             said += unknown_names(asked.beside(options.rules), goal, limits=limits)
         return "\n".join([table.rstrip(), "", *said, ""]) if said else table
 

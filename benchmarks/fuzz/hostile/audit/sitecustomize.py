@@ -8,10 +8,13 @@ import os
 import sys
 
 WRITES = os.O_WRONLY | os.O_RDWR | os.O_CREAT | os.O_TRUNC | os.O_APPEND
-TOLD = {
+OF_PATHS = {
     "open", "os.listdir", "os.scandir", "os.mkdir", "os.remove", "os.rmdir", "os.rename", "os.symlink", "os.link", "os.chmod", "os.truncate",
-    "subprocess.Popen", "os.system", "os.exec", "os.posix_spawn", "os.fork", "os.forkpty", "pty.spawn", "os.startfile", "socket.connect",
-    "socket.bind", "socket.getaddrinfo", "urllib.Request", "sqlite3.connect", "webbrowser.open", "syslog.syslog",
+    "sqlite3.connect",
+}  # fmt: skip
+OF_OTHERS = {
+    "subprocess.Popen", "os.system", "os.exec", "os.posix_spawn", "os.fork", "os.forkpty", "pty.spawn", "socket.connect", "socket.bind",
+    "socket.getaddrinfo", "urllib.Request", "webbrowser.open", "syslog.syslog",
 }  # fmt: skip
 READS = {"os.listdir", "os.scandir"}
 
@@ -21,12 +24,12 @@ def _begin(path: str) -> None:
     log = os.open(path, os.O_WRONLY | os.O_CREAT | os.O_APPEND, 0o600)
 
     def hook(event: str, args: tuple[object, ...]) -> None:
-        if event not in TOLD:
+        if event not in OF_PATHS and event not in OF_OTHERS:
             return
         what = os.fsdecode(args[0]) if args and isinstance(args[0], (str, bytes, os.PathLike)) else ""
         if event == "open" and not what:  # of what is open already
             return
-        path = what if what.startswith("/") else os.path.abspath(what)  # noqa: PTH100 - resolve() would open what it follows
+        path = os.path.abspath(what) if event in OF_PATHS else what  # noqa: PTH100 - resolve() would open what it follows
         if path.startswith(known) and (
             "__pycache__" in path or event in READS or (event == "open" and not _writes(args))
         ):
