@@ -7,7 +7,7 @@ import pytest
 from benchmarks.fuzz.hostile.__main__ import FAMILIAR, Bench, attacked, corpus
 from benchmarks.fuzz.hostile.doors import DOORS, HARMLESS, door_of
 from benchmarks.fuzz.hostile.program import Hostile
-from benchmarks.fuzz.hostile.run import run
+from benchmarks.fuzz.hostile.run import Cost, run
 
 SHORT = (
     "consult a program", "the library that reads tables", "a loader from its letters", "a loader swallowed by try_call",
@@ -59,3 +59,16 @@ def test_misdeeds_are_seen_of_a_program_that_is_trusted(text, tmp_path):
 def test_a_run_is_killed_that_does_not_end(tmp_path, monkeypatch):
     monkeypatch.setattr("benchmarks.fuzz.hostile.run.PATIENCE", 0.0)
     assert run("explain", "a :- p(z). p(X) :- p(f(X)).", "a", tmp_path / "run", 0.5).status == -9
+
+
+@pytest.mark.parametrize(
+    ("cost", "beyond"),
+    [
+        (Cost(3.0, 0.5, 2.4), 0.0),  # in time
+        (Cost(9.0, 0.5, 2.4), 0.0),  # it waited for others
+        (Cost(9.0, 5.5, 7.4), 5.0),  # it went on by itself
+        (Cost(9.0, 0.5, 8.5), 5.5),  # its inference went on
+    ],
+)
+def test_what_is_beyond_a_limit(cost, beyond):
+    assert cost.beyond(Cost(1.0, 0.5, 1.0), 2.0) == beyond

@@ -24,7 +24,7 @@ from benchmarks.fuzz.hostile.doors import DOORS, HARMLESS, door_of, goal_of, lim
 from benchmarks.fuzz.hostile.escapes import escapes
 from benchmarks.fuzz.hostile.hard_counting import clauses, grid, hard
 from benchmarks.fuzz.hostile.other_doors import other_doors
-from benchmarks.fuzz.hostile.run import Seen, killed, run
+from benchmarks.fuzz.hostile.run import Cost, Seen, killed, run
 from benchmarks.fuzz.hostile.texts import texts
 from benchmarks.shared.claims import Claim, report
 
@@ -63,13 +63,13 @@ class Told:
     door: str
     limit: float
     seen: Seen
-    start: float
+    start: Cost
     did: tuple[str, ...]
 
     @property
     def beyond(self) -> float:
         """Seconds beyond its limit."""
-        return self.seen.seconds - self.limit - self.start
+        return self.seen.cost.beyond(self.start, self.limit)
 
     def faults(self) -> list[str]:
         """What must not have happened."""
@@ -95,7 +95,7 @@ class Bench:
 
     def __init__(self, folder: Path, jobs: int) -> None:
         self.folder, self.jobs = folder, jobs
-        self.start: dict[str, float] = {}
+        self.start: dict[str, Cost] = {}
         self.familiar: set[str] = set()
         self.memory = 0
         """Of harmless programs at worst."""
@@ -105,7 +105,7 @@ class Bench:
         given = [(door, HARMLESS[door]) for door in doors] + [("query", text) for text in familiar]
         for i, (door, seen) in enumerate(self._beside(given)):
             if i < len(doors):
-                self.start[door] = max(self.start.get(door, 0.0), seen.seconds)
+                self.start[door] = seen.cost.beside(self.start.get(door, Cost()))
             self.familiar |= seen.did
             self.memory = max(self.memory, seen.memory)
 
@@ -161,7 +161,7 @@ def rows_of(told: Sequence[Told]) -> list[dict[str, Any]]:
             "programs": len(some),
             "bombs": sum(each.program.bomb for each in some),
             "faults": sum(bool(each.faults()) for each in some),
-            "start": round(max(each.start for each in some), 2),
+            "start": round(max(each.start.clock for each in some), 2),
             "beyond": round(max(each.beyond for each in some), 2),
             "memory": max(each.seen.memory for each in some) >> 20,
         }

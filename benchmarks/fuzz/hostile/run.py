@@ -37,6 +37,28 @@ _OURS = re.compile(r"(?!subprocess)\S+ \{place\}/tmp/|subprocess.Popen \S*/probl
 
 
 @dataclass(frozen=True)
+class Cost:
+    """Seconds by the clock, of the processor by the command itself, and by it and all that it waited for."""
+
+    clock: float = 0.0
+    own: float = 0.0
+    together: float = 0.0
+
+    def beside(self, other: Cost) -> Cost:
+        """The more of each."""
+        return Cost(max(self.clock, other.clock), max(self.own, other.own), max(self.together, other.together))
+
+    def beyond(self, start: Cost, limit: float) -> float:
+        """Seconds beyond a limit and what it takes to start.
+
+        By the clock, or by the processor where that says less: on a machine that is busy a command waits for others.
+        What it does itself counts from the first second, for its inference runs in another process.
+        """
+        worked = max(self.own - start.own, self.together - start.together - limit)
+        return min(self.clock - start.clock - limit, worked)
+
+
+@dataclass(frozen=True)
 class Seen:
     """What was seen of a run. ``did``: what it opened and started.
 
@@ -45,7 +67,7 @@ class Seen:
     """
 
     status: int
-    seconds: float
+    cost: Cost
     memory: int
     did: frozenset[str]
     owned: tuple[str, ...]
@@ -148,14 +170,14 @@ def run(door: str, text: str, goal: str, place: Path, limit: float) -> Seen:
     before = _files(place)
     begun, others = monotonic(), numbers()
     started = _started(words, place, environment(place, mark, secret))
-    status, seconds, memory = _watched(started, begun, begun + limit + PATIENCE, mark, others)
+    cost, memory = _watched(started, begun, begun + limit + PATIENCE, mark, others)
     left = _settled(mark, others)
     wrote = {name for name in _files(place) - before if not name.startswith(("run/.", "audit"))}
     said = [(folder / name).read_text("utf-8", "replace") for name in (".out", ".err")]
     return Seen(
-        status, seconds, memory, _did(place), tuple(sorted(name for name in wrote if name.startswith("bait"))),
+        started.returncode, cost, memory, _did(place), tuple(sorted(name for name in wrote if name.startswith("bait"))),
         any(secret in part for part in said), tuple(sorted(name for name in wrote if not name.startswith("bait"))), left,
-        fault_of(status, 0.0, 0, folder),
+        fault_of(started.returncode, 0.0, 0, folder),
     )  # fmt: skip
 
 
@@ -192,15 +214,30 @@ def _compiles(number: int) -> bool:
 
 def _watched(
     started: subprocess.Popen[bytes], begun: float, end: float, mark: str, others: set[int]
-) -> tuple[int, float, int]:
-    """Wait for the command: its exit status, wall seconds, and the memory of all its processes at worst."""
-    memory = 0
+) -> tuple[Cost, int]:
+    """Wait for the command: what it took, and the memory of all its processes at worst."""
+    memory, own = 0, 0.0
     while True:
-        with suppress(subprocess.TimeoutExpired):
-            return started.wait(LOOK), monotonic() - begun, memory
+        ended, status, used = os.wait4(started.pid, os.WNOHANG)
+        if ended:
+            started.returncode = os.waitstatus_to_exitcode(status)
+            return Cost(monotonic() - begun, own, used.ru_utime + used.ru_stime), memory
+        own = max(own, _own_seconds(started.pid))
         memory = max(memory, resident(marked(mark, others)))
         if monotonic() > end:
             started.kill()
+        sleep(LOOK)
+
+
+def _own_seconds(number: int) -> float:
+    """Seconds of the processor that a process has used, without its children; 0 where the system does not tell."""
+    try:
+        fields = (
+            Path(f"/proc/{number}/stat").read_text().rpartition(")")[2].split()
+        )  # after the name: state, parent, ...
+    except OSError:
+        return 0.0
+    return (int(fields[11]) + int(fields[12])) / os.sysconf("SC_CLK_TCK")
 
 
 def _settled(mark: str, others: set[int]) -> int:
