@@ -40,9 +40,10 @@ lint: ready  ## linter and type checker
 bench: ready  ## the towers' benchmark: a table and its claims
 	"$(VENV)/bin/plogic" bench towers
 
-fuzz: ready  ## hostile inputs of every kind: COUNT of each through the readers, and RUNS of the commands
+fuzz: ready  ## hostile inputs of every kind: COUNT of each through the readers, RUNS of the commands, and hostile programs
 	"$(VENV)/bin/python" -m benchmarks.fuzz.bench --count $(COUNT)
 	PATH="$(abspath $(VENV))/bin:$$PATH" "$(VENV)/bin/python" -m benchmarks.fuzz.console --count $(RUNS)
+	"$(VENV)/bin/python" -m benchmarks.fuzz.hostile
 
 compat: compat-lowest compat-newest  ## the quick tests with the lowest, and with the newest versions that pyproject.toml admits
 

@@ -158,7 +158,7 @@ def learned_lobes(cloud: LearnedCloud, words: Words) -> LobeTable:
     )
 
 
-MAX_RULES_BYTES = 1_000_000
+MAX_RULES_BYTES = 200_000
 """Largest ``rules.pl``."""
 HIT, PRIOR = 0.8, 0.5
 """What holds for types that ``kb.yaml`` says nothing about."""

@@ -5,7 +5,9 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from plogic.base.errors import ProgramError
-from plogic.logic.safety.check import TOO_LONG_ROWS, parse
+from plogic.logic.safety.added import idle
+from plogic.logic.safety.check import TOO_DEEP, TOO_LONG_ROWS, glanced, parse
+from plogic.logic.safety.recursion import endless, surely_endless
 from plogic.logic.safety.rows import LONG, MOST, rows_in
 
 FLOODS = {
@@ -27,6 +29,38 @@ def test_a_flood_is_refused_at_its_place(name):
         parse(f"c.\n{FLOODS[name]}", "x.pl")
     assert TOO_LONG_ROWS in str(caught.value)
     assert str(caught.value).startswith("x.pl:")
+
+
+@pytest.mark.parametrize("piece", ["(", "[", "a(", "(,"])
+def test_what_is_never_closed_is_refused_before_it_is_read_to_its_end(piece):
+    with pytest.raises(ProgramError, match=TOO_DEEP) as caught:
+        parse("c.\n" + piece * (2**23 // len(piece)), "x.pl")
+    assert str(caught.value).startswith("x.pl:2:")
+
+
+def test_a_row_without_an_end_is_given_up_where_it_is_too_long():
+    assert rows_in("b, " * 10**6).work < 2 * MOST
+
+
+SLOW = {
+    "a row": ":- a. b(X) :- b(f(X))" + ", b" * 5000 + ".",
+    "a long text": ":- a.\n" + "constraint(x) :- b(f(X)).\n" * 10_000,
+    "a text that cannot be read": ":- a. b(X) :- b(f(X)). (",
+}
+
+
+@pytest.mark.parametrize("text", SLOW.values(), ids=SLOW)
+def test_what_is_said_beside_an_answer_is_not_said_of_what_takes_long_to_read(text):
+    assert glanced(text, "x.pl") is None
+    assert (idle(text, "x.pl"), surely_endless(text, "x.pl")) == ([], [])
+    assert endless([{"text": text, "file": "x.pl"}], ["b(x)"]) == ""
+
+
+def test_what_is_short_is_read_at_a_glance():
+    text = ":- a. b(X) :- b(f(X)). a."
+    assert glanced(text, "x.pl") is not None
+    assert (len(idle(text, "x.pl")), len(surely_endless(text, "x.pl"))) == (1, 1)
+    assert "b/1 calls itself" in endless([{"text": text, "file": "x.pl"}], ["b(x)"])
 
 
 FINE = {

@@ -293,3 +293,19 @@ def test_a_recursion_without_end_is_named_beside_the_limit():
 )
 def test_a_recursion_is_suspected_where_what_is_asked_calls_itself_with_more(program, goal, said):
     assert endless([{"text": program, "file": "u.pl"}], [goal] if goal else []) == said
+
+
+@pytest.mark.parametrize(
+    "label", ["9 ** (9 ** (9 ** 9))", "9 ^ (9 ^ (9 ^ 9))", "1 << (1 << 60)", "1 / (3 + 2 ** (2 ** 40))"]
+)
+def test_a_label_whose_value_may_be_long_is_left_to_the_run(label):
+    from plogic.logic.safety.check import check_source, parse
+
+    assert check_source(parse(f"{label}::a.", "u.pl")) == {"a/0"}
+
+
+def test_quotes_that_are_never_closed_are_looked_through_once():
+    from plogic.logic.safety.check import parse
+
+    with pytest.raises(ProgramError, match=r"u\.pl:1:3: holds a whole number of more digits"):
+        parse("a(" + "9" * 5000 + ").\nb('" + "\\'" * 500_000, "u.pl")

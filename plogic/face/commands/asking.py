@@ -7,9 +7,10 @@ import json
 import re
 import sys
 from collections.abc import Callable, Sequence
-from dataclasses import asdict
+from dataclasses import asdict, replace
 from typing import TYPE_CHECKING
 
+from plogic.base.clock import Clock
 from plogic.base.errors import InputError, LimitError
 from plogic.face.python.asking import EXPLANATIONS, Asked, Program, opened
 from plogic.face.session.minds import ranked
@@ -72,7 +73,8 @@ def _opened(source: str, options: Asking) -> Asked:
 
 def _endless(text: str, file: str) -> list[str]:
     """Without ProbLog where no clause has a number or a term that grows."""
-    if re.search(r":-[^.]*(\bis\b|\(\s*\w+\()", text) is None:
+    bodies = (clause.partition(":-")[2] for clause in text.split("."))
+    if not any(re.search(r"\bis\b|\(\s*+\w++\(", body) for body in bodies):
         return []
     load_problog()
     from plogic.logic.safety.recursion import surely_endless
@@ -82,8 +84,7 @@ def _endless(text: str, file: str) -> list[str]:
 
 def _idle(program: Program) -> list[str]:
     """Without ProbLog where the text cannot hold any."""
-    lines = [line.lstrip() for line in program.text.splitlines()]
-    if not any(line.startswith(":-") or "constraint" in line for line in lines):
+    if re.search(r"(?m)^[ \t]*+:-|constraint", program.text) is None:
         return []
     load_problog()
     from plogic.logic.safety.added import idle
@@ -198,7 +199,7 @@ def query_command(
 
     Exit 3 where the deadline was reached, answers then being intervals.
     """
-    asked = _opened(source, options)
+    asked, clock = _opened(source, options), Clock(options.deadline)
     found = asked.query(goal, given=given, rules=options.rules, deadline=options.deadline)
     document: rows.Answers = {
         "format": "answers/1",
@@ -215,7 +216,8 @@ def query_command(
             return table
         said = [] if found.answers else [_none(source, goal)]
         if goal is not None:
-            said += unknown_names(asked.beside(options.rules), goal, limits=asked.limits)
+            limits = replace(asked.limits, seconds=max(0.0, min(asked.limits.seconds, clock.left())))
+            said += unknown_names(asked.beside(options.rules), goal, limits=limits)
         return "\n".join([table.rstrip(), "", *said, ""]) if said else table
 
     return _told(document, found, text, WITHIN if found.answers else NOTHING, as_json=as_json)

@@ -20,7 +20,7 @@ from plogic.logic.grounding.indexed_clauses import UnsupportedError
 from plogic.logic.safety.added import LAWFUL, check_added, lawful
 from plogic.logic.safety.allowlist import SPECIAL_HEADS
 from plogic.logic.safety.atoms import Names
-from plogic.logic.safety.check import Source, check_goal, check_source, heads, parse
+from plogic.logic.safety.check import Source, check_goal, check_source, heads, parse, parse_quickly
 from plogic.logic.safety.guarded_engine import engine_for, told
 from plogic.logic.safety.mapping import mapped, shown
 
@@ -115,7 +115,7 @@ def parsed(text: str, file: str, identifier: int = 0) -> Source:
     """
     if not text.strip():
         raise ProgramError("is empty; a goal is one term, like present(h1)", file=file)
-    return parse(text.rstrip().removesuffix(".") + "\n.", file, identifier)
+    return parse_quickly(text.rstrip().removesuffix(".") + "\n.", file, identifier)
 
 
 def goal_in(source: Source, names: Names | None, known: frozenset[str], *, trust: bool) -> Any:  # noqa: ANN401 - a term of ProbLog's

@@ -16,7 +16,7 @@ from problog.logic import And, AnnotatedDisjunction, Clause, Constant, Or, Term,
 from plogic.base.errors import NegativeCycleError, ProgramError
 from plogic.logic.safety.allowlist import LOADERS, META, SPECIAL_HEADS
 from plogic.logic.safety.atoms import Names
-from plogic.logic.safety.check import Mistake, Source, check_source, heads, is_directive, parse, with_place
+from plogic.logic.safety.check import Mistake, Source, check_source, glanced, heads, is_directive, with_place
 from plogic.logic.safety.mapping import label_of, shown
 
 LAW = r"""
@@ -137,13 +137,10 @@ def idle(text: str, file: str) -> list[str]:
     """What in a plain program looks like a constraint and excludes no world, with its place and what would exclude it.
 
     There a ``constraint/1`` is a predicate like any other, as in stock ProbLog, and a clause without a head is called
-    once and forgotten. A text that cannot be read is told of elsewhere.
+    once and forgotten. A text that cannot be read, or not quickly, is told of elsewhere.
     """
-    try:
-        source = parse(text, file)
-    except ProgramError:
-        return []
-    if any(head.signature == UNLAWFUL for head in heads_of(source)):
+    source = glanced(text, file)
+    if source is None or any(head.signature == UNLAWFUL for head in heads_of(source)):
         return []
     return [str(ProgramError(reason, **source.place(term))) for reason, term in _idle(source)]
 

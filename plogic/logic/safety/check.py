@@ -34,11 +34,14 @@ from plogic.logic.safety.rows import LONG, MOST, rows_in
 
 LONGEST_TEXT = 20_000_000
 """Characters that a program may have."""
-_NO_NUMBERS = r"%.*|'(?:[^'\\]|\\.|'')*'|\"(?:[^\"\\]|\\.)*\""
-"""Comments and quoted texts of a program."""
+_NO_NUMBERS = r"%[^\n]*+|'(?:[^'\\]|\\.|'')*+(?:'|\Z)|\"(?:[^\"\\]|\\.)*+(?:\"|\Z)"
+"""Comments and quoted texts of a program. What is not closed reaches to the end, so that nothing is looked at twice."""
 TOO_LONG_ROWS = "too many operators in a row (a, b, c, ...): break the row up into clauses"
+TOO_DEEP = "nested too deeply"
 REMEMBERED_TEXT = 50_000
 """Characters of a text up to which it is remembered: its terms take some hundred times as many bytes."""
+QUICK = 1_000_000
+"""``Rows.work`` of a text that is read at a glance: a row of a thousand operators, a quarter of a second."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -70,9 +73,31 @@ def parse(text: str, file: str = "program", identifier: int = 0) -> Source:
     """
     if len(text) > LONGEST_TEXT:
         raise ProgramError(f"longer than {LONGEST_TEXT} characters", file=file)
-    if len(text) > LONG and (rows := rows_in(text)).work > MOST:
-        raise ProgramError(TOO_LONG_ROWS, file=file, **_line_column(text, rows.place))
+    if len(text) > LONG:
+        rows = rows_in(text)
+        if rows.deep is not None:
+            raise ProgramError(TOO_DEEP, file=file, **_line_column(text, rows.deep))
+        if rows.work > MOST:
+            raise ProgramError(TOO_LONG_ROWS, file=file, **_line_column(text, rows.place))
     return (_remembered if len(text) <= REMEMBERED_TEXT else _parsed)(text, file, identifier)
+
+
+def parse_quickly(text: str, file: str, identifier: int = 0) -> Source:
+    """As ``parse``, of what is read in a process without a limit too; raises ProgramError where it takes long."""
+    if len(text) > REMEMBERED_TEXT:
+        raise ProgramError(f"longer than {REMEMBERED_TEXT} characters", file=file)
+    rows = rows_in(text)
+    if rows.work > QUICK:
+        raise ProgramError(TOO_LONG_ROWS, file=file, **_line_column(text, rows.place))
+    return parse(text, file, identifier)
+
+
+def glanced(text: str, file: str) -> Source | None:
+    """The parsed text where that takes no time worth speaking of and there is no mistake in it, else None."""
+    try:
+        return parse_quickly(text, file)
+    except ProgramError:
+        return None
 
 
 def _parsed(text: str, file: str, identifier: int) -> Source:
@@ -84,7 +109,7 @@ def _parsed(text: str, file: str, identifier: int) -> Source:
     except ProbLogError as error:
         raise ProgramError(error.base_message, file=file, **_line_column(text, error.location)) from None
     except RecursionError:
-        raise ProgramError("nested too deeply", file=file) from None
+        raise ProgramError(TOO_DEEP, file=file) from None
     except Exception as error:  # noqa: BLE001 - the parser raises what its actions raise (a cut, a bad number)
         start = start_of_too_long(text, _NO_NUMBERS)
         if start is not None:
@@ -130,7 +155,7 @@ def _held(source: Source, known: frozenset[str], protected: frozenset[str], also
             checker.statement(statement)
         checker.mistakes.extend(also(source, known) if also is not None else ())
     except RecursionError:
-        raise ProgramError("nested too deeply", file=source.file) from None
+        raise ProgramError(TOO_DEEP, file=source.file) from None
     checker.tell()
     return defined
 
@@ -161,7 +186,7 @@ def check_goal(source: Source, known: frozenset[str]) -> Any:  # noqa: ANN401 - 
     try:
         checker.goal(goal, 0)
     except RecursionError:
-        raise ProgramError("nested too deeply", file=source.file) from None
+        raise ProgramError(TOO_DEEP, file=source.file) from None
     checker.tell()
     return goal
 

@@ -39,8 +39,18 @@ def adding_up(total: float) -> str:
     return f"the probabilities of an annotated disjunction add up to {total:.12g}: they must not exceed 1{right}"
 
 
+GROWS = frozenset({"**", "^", "<<"})
+"""Functions whose values may be longer than any memory: they are computed where time and memory are limited."""
+
+
 def number_of(label: Any) -> float | None:  # noqa: ANN401 - a term of ProbLog's
     """A label's number; None where it is none yet."""
+    stack = [label]
+    while stack:
+        part = stack.pop()
+        if str(getattr(part, "functor", "")).strip("'") in GROWS:
+            return None
+        stack += getattr(part, "args", ())
     try:
         return float(label)
     except (ProbLogError, ArithmeticError, TypeError, ValueError):

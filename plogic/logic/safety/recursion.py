@@ -17,7 +17,7 @@ from typing import Any, NamedTuple
 from problog.logic import And, AnnotatedDisjunction, Clause, Constant, Term, Var
 
 from plogic.base.errors import ProgramError
-from plogic.logic.safety.check import REMEMBERED_TEXT, Source, heads, is_directive, parse
+from plogic.logic.safety.check import Source, glanced, heads, is_directive
 from plogic.logic.safety.guarded_engine import goals_under
 
 SHOWN = 3
@@ -38,12 +38,14 @@ def endless(texts: Sequence[dict[str, str]], goals: Sequence[str], *, grown: boo
     """A sentence on the calls that may lead to themselves without end, of those that the goals reach; '' of none.
 
     Without ``grown`` those are told, too, whose arguments do not grow. Without goals it is the program's ``query/1``.
+    Of texts that cannot be read, or not quickly, nothing is said.
     """
-    try:
-        calls = [call for item in texts for call in _calls(parse(item["text"], item["file"]))]
-        asked = {head.signature for goal in goals for head in _atoms(parse(f"asked :- {goal.rstrip(' .')}.", "goal"))}
-    except ProgramError:
+    sources = [glanced(item["text"], item["file"]) for item in texts]
+    questions = [glanced(f"asked :- {goal.rstrip(' .')}.", "goal") for goal in goals]
+    if None in sources or None in questions:
         return ""
+    calls = [call for source in sources if source is not None for call in _calls(source)]
+    asked = {head.signature for source in questions if source is not None for head in _atoms(source)}
     calls_of: dict[str, list[Call]] = {}
     for call in calls:
         calls_of.setdefault(call.head, []).append(call)
@@ -61,13 +63,10 @@ def endless(texts: Sequence[dict[str, str]], goals: Sequence[str], *, grown: boo
 def surely_endless(text: str, file: str) -> list[str]:
     """A line, with its place, on each call of a clause to itself that no run of it can end.
 
-    A text that cannot be read, or is so long that reading it takes its time, is told of elsewhere.
+    A text that cannot be read, or not quickly, is told of elsewhere.
     """
-    if len(text) > REMEMBERED_TEXT:
-        return []
-    try:
-        source = parse(text, file)
-    except ProgramError:
+    source = glanced(text, file)
+    if source is None:
         return []
     clauses = [s for s in source.statements if isinstance(s, (Clause, AnnotatedDisjunction)) and not is_directive(s)]
     found = [(head, call) for clause in clauses for head in heads(clause) for call in _unstopped(head, clause.body)]

@@ -10,7 +10,7 @@ import re
 from collections.abc import Iterator, Sequence
 from typing import TYPE_CHECKING, Any
 
-from plogic.base.errors import OutsideError, ProgramError
+from plogic.base.errors import OutsideError
 from plogic.facts.situation import Situation
 from plogic.facts.vocabulary import VOCABULARY, Entry
 from plogic.logic.safety.atoms import quoted
@@ -189,15 +189,12 @@ def _term(goal: str) -> Any:  # noqa: ANN401 - a term of ProbLog's
     load_problog()
     from problog.logic import And, Constant, Not, Or, Term, Var
 
-    from plogic.logic.safety.check import parse
+    from plogic.logic.safety.check import glanced
 
-    try:
-        statements = parse(goal.strip().rstrip(". ") + " .", "goal").statements
-    except ProgramError:
+    source = glanced(goal.strip().rstrip(". ") + " .", "goal")
+    if source is None or len(source.statements) != 1 or isinstance(source.statements[0], (And, Or, Not, Var, Constant)):
         return None
-    if len(statements) != 1 or isinstance(statements[0], (And, Or, Not, Var, Constant)):
-        return None
-    return statements[0] if type(statements[0]) is Term else None
+    return source.statements[0] if type(source.statements[0]) is Term else None
 
 
 def _meant(entry: Entry, arguments: Sequence[str]) -> str:

@@ -52,15 +52,13 @@ def relevant(situation: Situation, goals: Sequence[str]) -> Situation:
 def _named(goal: str, situation: Situation) -> set[str] | None:
     """The hypotheses and appearances that a goal names; None if it may be about others too."""
     load_problog()
-    from plogic.base.errors import ProgramError
-    from plogic.logic.safety.check import parse
+    from plogic.logic.safety.check import glanced
 
-    try:
-        statements = parse(goal.rstrip().removesuffix(".") + "\n.", "goal").statements
-    except ProgramError:
+    source = glanced(goal.rstrip().removesuffix(".") + "\n.", "goal")
+    if source is None:
         return None
     ids = {h.id for h in situation.hypotheses} | {a.id for a in situation.appearances}
-    found = [_of_atom(atom, ids) for statement in statements for atom in _atoms(statement)]
+    found = [_of_atom(atom, ids) for statement in source.statements for atom in _atoms(statement)]
     return None if None in found else set().union(*filter(None, found))
 
 

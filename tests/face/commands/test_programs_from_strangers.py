@@ -147,6 +147,12 @@ def test_a_process_that_cannot_start_is_not_called_a_limit_of_memory(tmp_path, m
         engine.run([engine.Text("0.5::a. query(a).")])
 
 
+@pytest.mark.parametrize("piece", [":-", ":- ", "( ", ":- ( "])
+def test_signs_of_rules_are_looked_through_once(piece, tmp_path):
+    file = written(tmp_path, "a. query(a). % " + ":-" * 100_000 + piece * 1_000_000)
+    assert answered(file) == {"a": 1.0}
+
+
 @pytest.fixture(scope="module")
 def scene(demo):
     """The demo's interpretation."""
