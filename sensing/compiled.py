@@ -15,7 +15,7 @@ def compiled(signature: str | None = None) -> Callable[[Callable[..., Any]], Any
     """Return what makes a compiled function of one of Python."""
 
     def made(function: Callable[..., Any]) -> Any:  # noqa: ANN401 - what is compiled takes arrays of several types
-        loop = njit(cache=True)(function)
+        loop: Any = njit(cache=True)(function)
         _mend(loop._cache)  # noqa: SLF001 - numba looks there first, and raises where anything is torn
         if signature is not None:
             loop.compile(signature)

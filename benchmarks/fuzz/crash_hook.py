@@ -35,6 +35,8 @@ WRITES = os.O_WRONLY | os.O_RDWR | os.O_CREAT | os.O_TRUNC
 FOLDER, LINK, FILE = "folder", "link", "file"
 RANDOM = re.compile(r"(?<=plogic-)[a-z0-9_]{8}")
 """In names of what is begun."""
+BEGUN = re.compile(r"((?:.*/)?\.[^/]*\.plogic-)(?:/.*)?", re.DOTALL)
+"""What is begun, and what is in it."""
 
 Held = dict[str, tuple[str, str]]
 """What is at each path, by its kind: where a link leads, or a file's digest."""
@@ -179,7 +181,13 @@ def laid(found: Held, folder: Path, blobs: Path) -> None:
             shutil.copyfile(blobs / what, folder / name)
 
 
-def alike(found: Held) -> str:
-    """A digest that two runs have in common that left the same: random names and numbers of processes aside."""
+def alike(found: Held, *, inside: bool = True) -> str:
+    """A digest that two runs have in common that left the same: random names and numbers of processes aside.
+
+    Without ``inside``, what is in a file or a folder that is only begun is left out, too: nobody reads that.
+    """
     rows = {RANDOM.sub("", name): (kind, "" if name.endswith(LOCK) else what) for name, (kind, what) in found.items()}
+    if not inside:
+        cut = ((BEGUN.sub(r"\1", name), (kind, what)) for name, (kind, what) in rows.items())
+        rows = {name: ("", "") if BEGUN.fullmatch(name) else what for name, what in cut}
     return sha256(json.dumps(sorted(rows.items())).encode()).hexdigest()

@@ -3,10 +3,11 @@
 ``python -m benchmarks.fuzz.crashes`` tries every command of ``commands()`` at each operation; ``--most 6``: at so many,
 evenly chosen. A command runs once, in a copy (fork) of a process that has imported everything, and before each of its
 operations what lies in its folder is copied: what a kill would leave, as the kernel has it. Of a write, half is done in
-the copy. Each copy that is like no other is then looked at, and the command is run again there. One kill of each
-command, at an operation drawn by its name, is a kill in earnest, which must leave what was copied.
+the copy. Each copy that is like no other, but for what is in files and folders that are only begun, is then looked at,
+and the command is run again there. One kill of each command, at an operation drawn by its name, is a kill in earnest,
+which must leave what was copied.
 
-* ``states``: how many copies were like no other
+* ``states``: how many copies were like no other, so far
 * ``old``, ``new``: kills after which everything that the command writes was as before, or as without a kill
 * ``torn``: kills after which it was neither: a knowledge base is what ``read_kb`` makes of it, a file its bytes
 * ``left``: kills after which the same command, run again, did not end with the files of a run without a kill
@@ -178,7 +179,7 @@ class Trial:
 
     def killed(self, last: int) -> tuple[str, list[str]]:
         """Whether old, new or torn is found after a kill before an operation, and what is left in the end."""
-        state = alike(self._left[last - 1])
+        state = alike(self._left[last - 1], inside=False)
         if state not in self._known:
             self._known[state] = self._judged(self._left[last - 1])
         return self._known[state]
@@ -225,7 +226,7 @@ def tried(command: Command, before: Path, work: Path, most: int | None) -> Tried
     began = monotonic()
     trial = Trial(command, before, work)
     found, left = dict[int, str](), dict[int, list[str]]()
-    for last in _chosen(len(trial.operations), most):
+    for last in reversed(_chosen(len(trial.operations), most)):  # those first that have begun most
         found[last], what = trial.killed(last)
         if what:
             left[last] = what
