@@ -3,6 +3,7 @@
 VENV ?= .venv
 COMPAT ?= .compat
 COUNT ?= 20000
+GUIDED ?= 2000
 RUNS ?= 10000
 PYTHONS = python3.13 python3.12 python3.11 python3 python3.14
 # A name may be there and not run (pyenv's are), or be of another version, or lack what makes environments (Debian's python3-venv).
@@ -40,7 +41,9 @@ lint: ready  ## linter and type checker
 bench: ready  ## the towers' benchmark: a table and its claims
 	"$(VENV)/bin/plogic" bench towers
 
-fuzz: ready  ## hostile inputs of every kind: COUNT of each through the readers, RUNS of the commands, and hostile programs
+fuzz: ready  ## hostile inputs of every kind: GUIDED and COUNT of each through the readers, RUNS of the commands, and programs
+	-"$(VENV)/bin/python" -m pip install --quiet --disable-pip-version-check --editable '.[fuzz]'
+	"$(VENV)/bin/python" -m benchmarks.fuzz.guided --count $(GUIDED)
 	"$(VENV)/bin/python" -m benchmarks.fuzz.bench --count $(COUNT)
 	PATH="$(abspath $(VENV))/bin:$$PATH" "$(VENV)/bin/python" -m benchmarks.fuzz.console --count $(RUNS)
 	"$(VENV)/bin/python" -m benchmarks.fuzz.hostile

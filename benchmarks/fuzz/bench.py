@@ -22,7 +22,7 @@ import click
 import cv2
 
 from benchmarks.fuzz.kinds import Kind, kinds
-from benchmarks.fuzz.worker import MEMORY, SLOW, Fault, Lot, inputs, outcome, place, work
+from benchmarks.fuzz.worker import MEMORY, SLOW, Fault, Lot, inputs, outcome, place_for, work
 from benchmarks.shared.claims import Claim, report
 from plogic.base.children import Copy, ending_well
 
@@ -34,6 +34,8 @@ LOT = 500
 POOL = 300
 """Inputs of interest that are kept beside the good ones, the newest."""
 CORPUS = Path(__file__).with_name("corpus")
+REACHED = "pool"
+"""The folder of the inputs that reached new code (``benchmarks.fuzz.guided``), below that of the faults."""
 WAITED = 120.0
 """Seconds by the wall clock that one input may take, as others are at work on the machine too."""
 LOOK = 0.2
@@ -103,8 +105,8 @@ class _Running:
     def hangs(self) -> bool:
         """Whether the input that is read has taken too long, or waits for what never comes."""
         if self.at.value != self._seen:
-            self._seen, self._before, self._since = self.at.value, _processor(self._copy.pid), monotonic()
-        return _processor(self._copy.pid) - self._before > SLOW + 1.0 or monotonic() - self._since > WAITED
+            self._seen, self._before, self._since = self.at.value, processor_of(self._copy.pid), monotonic()
+        return processor_of(self._copy.pid) - self._before > SLOW + 1.0 or monotonic() - self._since > WAITED
 
     def stop(self) -> int:
         """End it; the number of the input that was read last."""
@@ -118,7 +120,7 @@ class _Running:
         return next(data for i, data in enumerate(inputs(self.tally.kind, seed, number, self.pool, count)) if i == at)
 
 
-def _processor(pid: int) -> float:
+def processor_of(pid: int) -> float:
     """Processor seconds of a process and its children that have ended; 0 where it has ended itself."""
     try:
         words = Path(f"/proc/{pid}/stat").read_text(encoding="ascii").rpartition(")")[2].split()
@@ -140,7 +142,10 @@ class Plan:
 
 def attack(chosen: Sequence[Kind], plan: Plan, say: Callable[[str], None]) -> list[Tally]:
     """So many inputs of each kind, or as many as the time is enough for, each kind in turn."""
-    tallies = [Tally(kind, [*kind.seeds(), *kept(kind.name)], plan.out, say) for kind in chosen]
+    tallies = [
+        Tally(kind, [*kind.seeds(), *kept(kind.name), *kept(kind.name, plan.out / REACHED)], plan.out, say)
+        for kind in chosen
+    ]
     count, seed, jobs = plan.count, plan.seed, plan.jobs
     until = monotonic() + plan.seconds
     waiting, running, shown = list(tallies), dict[str, _Running](), 0
@@ -168,7 +173,7 @@ def warm(chosen: Sequence[Kind]) -> None:
     """Read what is good of each kind here: copies of this process then have what is imported, and compiled."""
     with tempfile.TemporaryDirectory(prefix="plogic-fuzz-") as folder:
         for kind in chosen:
-            path = place(kind, Path(folder) / kind.name)
+            path = place_for(kind, Path(folder) / kind.name)
             for data in kind.seeds():
                 path.write_bytes(data)
                 outcome(kind, path, data)
@@ -208,9 +213,9 @@ def _broken(one: _Running, what: str) -> int:
     return at + 1
 
 
-def kept(name: str) -> list[bytes]:
-    """What was found before, and mended."""
-    return [path.read_bytes() for path in sorted((CORPUS / name).glob("*"))]
+def kept(name: str, folder: Path = CORPUS) -> list[bytes]:
+    """What was found before, and mended; of another folder, what lies there of the kind."""
+    return [path.read_bytes() for path in sorted((folder / name).glob("*"))]
 
 
 def keep_fault(fault: Fault, folder: Path) -> str:

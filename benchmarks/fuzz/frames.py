@@ -1,7 +1,7 @@
 """A batch whose processes are killed: no frame is lost or doubled, and memory is flat.
 
-Run: ``python -m benchmarks.fuzz.frames --frames 1000 [--every 50] [--kb first]``. The same frames three times: by one
-worker that nobody kills, by two of which one is killed every so many frames, at a random moment, and by two whose
+Run: ``python -m benchmarks.fuzz.frames --frames 1000 [--every 50] [--kb first]``. The same frames three times: by two
+workers that nobody kills, by two of which one is killed every so many frames, at a random moment, and by two whose
 parent is ended by SIGINT, SIGTERM and SIGKILL and gone on with (``--resume``). Every run must write the same bytes.
 """
 
@@ -28,8 +28,9 @@ from benchmarks.shared.claims import Claim, report
 from plogic.base.errors import InputError
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Sequence
+    from collections.abc import Callable, Collection, Sequence
 
+ROOT = Path(__file__).resolve().parents[2]
 LOOK = 0.05
 """Seconds between two looks at lines and memory."""
 LEAVING = 10.0
@@ -113,25 +114,32 @@ class EndParent:
 # -- a run -------------------------------------------------------------------------------------------------------------
 
 
-def followed(arguments: Sequence[str], out: Path, run: Run, harm: Harm) -> int:
-    """Run ``plogic batch`` with its lines in ``out``; the exit status. Looks are added to the run."""
-    begun = monotonic()
+def followed(arguments: Sequence[str], out: Path, run: Run, harm: Harm) -> None:
+    """Run ``plogic batch`` with its lines in ``out``; looks are added to the run. Raises InputError where it fails."""
+    begun, workers = monotonic(), set[int]()
     with tempfile.TemporaryFile() as said:
         command = [str(Path(sys.executable).with_name("plogic")), "batch", *arguments, "-o", str(out)]
-        with subprocess.Popen(command, stderr=said, stdin=subprocess.DEVNULL, start_new_session=True) as child:  # noqa: S603 - our own
+        paths = os.pathsep.join([str(ROOT), *filter(None, [os.environ.get("PYTHONPATH")])])
+        with subprocess.Popen(  # noqa: S603 - our own
+            command,
+            stdin=subprocess.DEVNULL,
+            stderr=said,
+            start_new_session=True,
+            env=os.environ | {"PYTHONPATH": paths},
+        ) as child:
             try:
                 while child.poll() is None:
                     run.looks.append(look_at(child.pid, out))
+                    workers |= run.looks[-1].workers.keys()
                     harm(child.pid, run.looks[-1])
                     sleep(LOOK)
             finally:
                 child.kill()
         run.seconds += monotonic() - begun
-        run.left += _living(list(run.looks[-1].workers))
+        run.left += _living(workers)
         if child.returncode not in (0, 1, *(128 + n for n in SIGNALS), *(-n for n in SIGNALS)):
             said.seek(0)
             raise InputError(f"{run.name}: exit status {child.returncode}: {said.read().decode(errors='replace')}")
-    return child.returncode
 
 
 def look_at(parent: int, out: Path) -> Look:
@@ -150,7 +158,7 @@ def resident(pid: int) -> int:
     return 0
 
 
-def _living(workers: Sequence[int]) -> int:
+def _living(workers: Collection[int]) -> int:
     """How many of them outlive their parent by more than they may."""
     end = monotonic() + LEAVING
     while any(resident(pid) for pid in workers) and monotonic() < end:
@@ -166,12 +174,12 @@ class Frames:
     kb: str
     names: Sequence[str]
 
-    def run(self, run: Run, jobs: int, harms: Sequence[Harm]) -> Run:
+    def run(self, run: Run, harms: Sequence[Harm]) -> Run:
         """All frames, begun anew for each harm."""
         out = self.folder / f"{run.name.replace(' ', '-')}.jsonl"
         for i, harm in enumerate(harms):
             resumed = ["--resume"] if i else []
-            followed([str(self.folder / "frames"), "--kb", self.kb, "--jobs", str(jobs), *resumed], out, run, harm)
+            followed([str(self.folder / "frames"), "--kb", self.kb, "--jobs", "2", *resumed], out, run, harm)
         run.rows = out.read_bytes().splitlines(keepends=True)
         return run
 
@@ -182,12 +190,12 @@ def runs(frames: Frames, every: int, rng: Random, say: Callable[[str], None]) ->
     workers = KillWorkers(every, rng)
     ends = [EndParent(number, total * i // (len(SIGNALS) + 1)) for i, number in enumerate(SIGNALS, 1)]
     found = []
-    for name, jobs, harms in (
-        ("unharmed", 1, [unharmed]),
-        ("workers killed", 2, [workers]),
-        ("parent ended", 2, [*ends, unharmed]),
+    for name, harms in (
+        ("unharmed", [unharmed]),
+        ("workers killed", [workers]),
+        ("parent ended", [*ends, unharmed]),
     ):
-        found.append(frames.run(Run(name), jobs, harms))
+        found.append(frames.run(Run(name), harms))
         say(f"{name}: {len(found[-1].rows)} lines, {found[-1].seconds:.0f} s")
     found[1].kills, found[2].kills = workers.kills, sum(end.lines == sys.maxsize for end in ends)
     return found

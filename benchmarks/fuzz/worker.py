@@ -87,8 +87,8 @@ def work(
     """Read a lot's inputs, from one on, and send what came of it; ``at`` counts them while they are read."""
     seed, number, count, first = lot
     warnings.simplefilter("ignore")
-    _limit()
-    path = place(kind, folder)
+    limit()
+    path = place_for(kind, folder)
     known: set[str] = set()
     done = Lot()
     start = process_time()
@@ -109,14 +109,15 @@ def _measured(done: Lot, start: float) -> Lot:
     return done
 
 
-def _limit() -> None:
+def limit() -> None:
+    """Let this process take so much more memory than it has, and write no core."""
     size = int(Path("/proc/self/statm").read_text(encoding="ascii").split()[0]) * resource.getpagesize()
     resource.setrlimit(resource.RLIMIT_AS, (size + MEMORY, resource.RLIM_INFINITY))
     resource.setrlimit(resource.RLIMIT_CORE, (0, 0))
 
 
-def place(kind: Kind, folder: Path) -> Path:
-    """An input's path, below a folder with all that belongs beside it."""
+def place_for(kind: Kind, folder: Path) -> Path:
+    """The input's path, below a folder with all that belongs beside it."""
     shutil.rmtree(folder, ignore_errors=True)
     folder.mkdir(parents=True)
     tempfile.tempdir = None
