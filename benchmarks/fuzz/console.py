@@ -24,6 +24,7 @@ from importlib import import_module
 from itertools import cycle, islice
 from pathlib import Path
 from random import Random
+from time import monotonic
 from typing import TYPE_CHECKING, Any
 
 import click
@@ -236,16 +237,18 @@ def _import(needed: Path) -> None:
 
 @click.command()
 @click.option("--count", type=click.IntRange(1), default=10_000, show_default=True, help="Runs of all commands.")
+@click.option("--seconds", type=click.FloatRange(1.0), default=1e9, help="Stop after so long.")
 @click.option("--seed", default=0, show_default=True)
 @click.option("-o", "--out", type=click.Path(path_type=Path), default=Path("out/fuzz"), show_default=True)
 @click.option("--json", "as_json", is_flag=True)
-def main(count: int, seed: int, out: Path, *, as_json: bool) -> None:
+def main(count: int, seconds: float, seed: int, out: Path, *, as_json: bool) -> None:
     """Run the commands on hostile input, and say what came of it."""
     cv2.setNumThreads(0)
     warnings.simplefilter("ignore")
     import cli  # noqa: F401 - once for all copies
 
     rows: dict[str, dict[str, Any]] = {}
+    until, tried, shown = monotonic() + seconds, 0, 0
     with tempfile.TemporaryDirectory(prefix="plogic-console-") as folder:
         for command, data, what, seconds, memory in runs(count, seed, Path(folder)):
             name = " ".join(command.words[:2] if command.words[0] == "kb" else command.words[:1]) + f" {command.kind}"
@@ -255,9 +258,15 @@ def main(count: int, seed: int, out: Path, *, as_json: bool) -> None:
             row["slowest"], row["memory"] = max(row["slowest"], round(seconds, 2)), max(row["memory"], memory >> 20)
             if what is not None:
                 click.echo(keep_fault(Fault(command.kind, what, data, json.dumps(command.words)[:200]), out), err=True)
+            tried += 1
+            if 100 * tried // count > shown:
+                shown = 100 * tried // count
+                click.echo(f"{shown} %: {tried} of {count} runs", err=True)
+            if monotonic() > until:
+                break
     faults = sum(row["faults"] for row in rows.values())
     text, met = report(
-        "fuzz console", list(rows.values()), [Claim(f"faults of {count} runs", "<=", 0, faults)], as_json=as_json
+        "fuzz console", list(rows.values()), [Claim(f"faults of {tried} runs", "<=", 0, faults)], as_json=as_json
     )
     click.echo(text)
     sys.exit(0 if met else 1)
