@@ -250,12 +250,12 @@ def main(count: int, seconds: float, seed: int, out: Path, *, as_json: bool) -> 
     rows: dict[str, dict[str, Any]] = {}
     until, tried, shown = monotonic() + seconds, 0, 0
     with tempfile.TemporaryDirectory(prefix="plogic-console-") as folder:
-        for command, data, what, seconds, memory in runs(count, seed, Path(folder)):
+        for command, data, what, took, memory in runs(count, seed, Path(folder)):
             name = " ".join(command.words[:2] if command.words[0] == "kb" else command.words[:1]) + f" {command.kind}"
             row = rows.setdefault(name, {"command": name, "runs": 0, "faults": 0, "slowest": 0.0, "memory": 0})
             row["runs"] += 1
             row["faults"] += what is not None
-            row["slowest"], row["memory"] = max(row["slowest"], round(seconds, 2)), max(row["memory"], memory >> 20)
+            row["slowest"], row["memory"] = max(row["slowest"], round(took, 2)), max(row["memory"], memory >> 20)
             if what is not None:
                 click.echo(keep_fault(Fault(command.kind, what, data, json.dumps(command.words)[:200]), out), err=True)
             tried += 1
