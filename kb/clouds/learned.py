@@ -250,7 +250,8 @@ _FAULTS = (
     RuntimeError,
     MemoryError,
     OverflowError,
-    tokenize.TokenError,  # numpy, of the head of an array
+    tokenize.TokenError,  # numpy, of the head of an array, which it reads as Python
+    SyntaxError,
 )
 
 
