@@ -189,12 +189,13 @@ def runs(frames: Frames, every: int, rng: Random, say: Callable[[str], None]) ->
     total = len(frames.names)
     workers = KillWorkers(every, rng)
     ends = [EndParent(number, total * i // (len(SIGNALS) + 1)) for i, number in enumerate(SIGNALS, 1)]
-    found = []
-    for name, harms in (
+    planned: list[tuple[str, list[Harm]]] = [
         ("unharmed", [unharmed]),
         ("workers killed", [workers]),
         ("parent ended", [*ends, unharmed]),
-    ):
+    ]
+    found = []
+    for name, harms in planned:
         found.append(frames.run(Run(name), harms))
         say(f"{name}: {len(found[-1].rows)} lines, {found[-1].seconds:.0f} s")
     found[1].kills, found[2].kills = workers.kills, sum(end.lines == sys.maxsize for end in ends)

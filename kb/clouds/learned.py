@@ -250,8 +250,8 @@ _FAULTS = (
     RuntimeError,
     MemoryError,
     OverflowError,
-    tokenize.TokenError,  # numpy, of the head of an array
-    SyntaxError,  # and this
+    tokenize.TokenError,  # numpy, of the head of an array, which it reads as Python
+    SyntaxError,
 )
 
 

@@ -116,9 +116,21 @@ def test_a_member_that_is_missing_or_nested_or_packed_otherwise(name):
             read_cloud(with_member(name, content, packing))
 
 
-@pytest.mark.parametrize("shape", [(10**12,), (-4,), (2**62, 4), (2**63, 0)])
-def test_a_header_that_promises_more_than_there_is(shape):
-    header = f"{{'descr': '<f4', 'fortran_order': False, 'shape': {shape}, }}"
+@pytest.mark.parametrize(
+    ("shape", "kind"),
+    [
+        ((10**12,), "<f4"),
+        ((-4,), "<f4"),
+        ((2**62, 4), "<f4"),
+        ((2**63, 0), "<f4"),
+        ((4,), "(4, <f4"),  # numpy reads it as Python
+        ((4,), "(4,)(f4"),
+        ((4,), "f4,(i4"),
+        ((4,), ","),
+    ],
+)
+def test_a_header_that_promises_more_than_there_is_or_names_no_type(shape, kind):
+    header = f"{{'descr': '{kind}', 'fortran_order': False, 'shape': {shape}, }}"
     header += " " * (117 - len(header)) + "\n"
     content = b"\x93NUMPY\x01\x00" + len(header).to_bytes(2, "little") + header.encode()
     with pytest.raises(CloudError, match="is no learned cloud"):
