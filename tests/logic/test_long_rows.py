@@ -6,9 +6,12 @@ from hypothesis import strategies as st
 
 from plogic.base.errors import ProgramError
 from plogic.logic.safety.added import idle
+from plogic.logic.safety.atoms import Names
+from plogic.logic.safety.author import author_rules
 from plogic.logic.safety.check import TOO_DEEP, TOO_LONG_ROWS, glanced, parse
 from plogic.logic.safety.recursion import endless, surely_endless
 from plogic.logic.safety.rows import LONG, MOST, rows_in
+from plogic.logic.served.engine import Limits, Text, run
 
 FLOODS = {
     "conjunction": "a :- " + "b, " * 20_000 + "b.",
@@ -54,6 +57,15 @@ def test_what_is_said_beside_an_answer_is_not_said_of_what_takes_long_to_read(te
     assert glanced(text, "x.pl") is None
     assert (idle(text, "x.pl"), surely_endless(text, "x.pl")) == ([], [])
     assert endless([{"text": text, "file": "x.pl"}], ["b(x)"]) == ""
+
+
+@pytest.mark.parametrize("count", [2000, 30_000])
+def test_a_goal_and_rules_are_refused_that_take_long_to_read(count):
+    row = "b" + ", b" * count
+    with pytest.raises(ProgramError, match=r"^goal:1:1: too many operators|^goal: longer than 50000"):
+        run([Text("b.")], [row], limits=Limits(seconds=50))
+    with pytest.raises(ProgramError, match=TOO_LONG_ROWS.split("(")[0]):
+        author_rules(f"c :- {row}.", Names({}, {}), frozenset({"b/0"}))
 
 
 def test_what_is_short_is_read_at_a_glance():

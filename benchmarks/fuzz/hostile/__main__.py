@@ -185,12 +185,16 @@ def claims(told: Sequence[Told], left: int | None) -> list[Claim]:
 
 @click.command()
 @click.option("--jobs", type=click.IntRange(1), default=2, show_default=True, help="Programs beside each other.")
-@click.option("--only", default="", help="Programs that try this, or come by this door.")
+@click.option("--only", multiple=True, help="Programs that try this, or come by this door (may be repeated).")
 @click.option("--every", type=click.IntRange(1), default=1, help="One of so many programs.")
 @click.option("--json", "as_json", is_flag=True)
-def main(jobs: int, only: str, every: int, *, as_json: bool) -> None:
+def main(jobs: int, only: tuple[str, ...], every: int, *, as_json: bool) -> None:
     """Run hostile programs, and say what came of it."""
-    programs = [program for program in corpus() if only in program.tries or only == program.door][::every]
+    programs = [
+        program
+        for program in corpus()
+        if not only or any(word in program.tries or word == program.door for word in only)
+    ][::every]
     told, memory = attacked(programs, jobs, lambda line: click.echo(line, err=True))
     with tempfile.TemporaryDirectory(prefix="plogic-killed-") as folder:
         left = killed(clauses(120, 480), Path(folder))

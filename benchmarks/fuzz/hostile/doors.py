@@ -20,8 +20,6 @@ DEADLINES = {True: 2.0, False: 20.0}
 """Seconds that a bomb is given, and what is none and is to come as far as it can, where a command takes a deadline."""
 DEFAULT = 60.0
 """Seconds of an inference where it takes none (``plogic.logic.served.engine.Limits``)."""
-CHECKED = 10.0
-"""Processor seconds that reading may take, where nothing is inferred: the bar of ``benchmarks.fuzz.worker``."""
 BASE = "0.5::a.\nb.\nquery(a).\n"
 """A harmless program, beside which goals, evidence and rules come."""
 SHOWN = ("--deadline", "{deadline}")
@@ -52,7 +50,7 @@ HARMLESS = {
     "kb": "constraint(x) :- present(_), fail.", "perceive": "constraint(x) :- present(_), fail.", "shell": "ask b\nworlds\n",
 }  # fmt: skip
 """Door → what is harmless there: how long its command takes to start, and which files it opens."""
-SLOW_DOORS = {"explain": DEFAULT, "asked in the shell": 3 * DEFAULT, "kb": CHECKED}
+SLOW_DOORS = {"explain": DEFAULT, "asked in the shell": 3 * DEFAULT, "kb": DEFAULT}
 
 
 def door_of(program: Hostile, number: int) -> str:

@@ -6,7 +6,7 @@ from functools import partial
 from itertools import combinations
 from random import Random
 
-from benchmarks.fuzz.hostile.program import Hostile, programs
+from benchmarks.fuzz.hostile.program import Hostile, Rows, programs
 
 
 def _choices(count: int, name: str = "x") -> str:
@@ -114,7 +114,7 @@ def many_answers(count: int) -> str:
     return f"0.5::h. a(X) :- between(1,{count},X), h. query(a(_))."
 
 
-HARD = {
+HARD: Rows = {
     "a grid's reachability": partial(grid, 12),
     "a complete graph's reachability": partial(complete, 14),
     "a random formula of three literals": partial(clauses, 120, 480),
@@ -146,7 +146,7 @@ HARD = {
     ),
 }
 """Programs whose counting explodes."""
-MANY = {
+MANY: Rows = {
     "a million answers": partial(many_answers, 1_000_000),
     "thirty thousand answers": partial(many_answers, 30_000),
     "an answer of a million letters": lambda: "0.5::a('" + "x" * 1_000_000 + "'). query(a(_)).",

@@ -2,11 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
-
-if TYPE_CHECKING:
-    from collections.abc import Callable
 
 
 @dataclass(frozen=True)
@@ -24,7 +21,7 @@ class Hostile:
     bomb: bool = False
 
 
-Rows = dict[str, str] | dict[str, "Callable[[], str]"]
+Rows = Mapping[str, str | Callable[[], str]]
 """What a program tries → its text, or what makes it where it is long."""
 
 

@@ -28,7 +28,7 @@ LOOK = 0.05
 """Seconds between two looks at the processes."""
 AFTER = 2.0
 """Seconds after the end, by which nothing may live."""
-PATIENCE = 30.0
+PATIENCE = 120.0
 """Seconds over the limit after which a run is killed."""
 AUDIT = Path(__file__).parent / "audit"
 PAGE = os.sysconf("SC_PAGE_SIZE")

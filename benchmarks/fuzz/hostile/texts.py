@@ -5,7 +5,7 @@ from __future__ import annotations
 from functools import partial
 
 from benchmarks.fuzz.hostile.hard_counting import grid
-from benchmarks.fuzz.hostile.program import Hostile, programs
+from benchmarks.fuzz.hostile.program import Hostile, Rows, programs
 
 WHOLE = 8 * 2**20 - 100
 """Bytes of a program that is just not too long."""
@@ -21,7 +21,7 @@ def quotes_and_digits(count: int) -> str:
     return "a(" + "9" * 5000 + ").\nb('" + "\\'" * count
 
 
-TEXTS = {
+TEXTS: Rows = {
     "brackets that are never closed": partial(filled, "("),
     "lists that are never closed": partial(filled, "["),
     "terms that are never closed": partial(filled, "a("),
@@ -62,7 +62,7 @@ TEXTS = {
 }
 """They are hard to read."""
 LONG_GOAL = "b" + ", b" * 30_000
-GOALS = {
+GOALS: Rows = {
     "a goal of a hundred thousand letters": LONG_GOAL,
     "a goal whose row is just not too long": "b" + ", b" * 6900,
     "a goal that counts without end": "between(1, inf, X), X < 0",
@@ -70,48 +70,48 @@ GOALS = {
     "a goal that collects in a collection": "findall(X, (between(1, 100000000, X), findall(Y, between(1, 1000, Y), _)), L)",
     "a goal of many layers": "\\+ (" * 3000 + "b" + ")" * 3000,
 }
-SCENE_GOALS = {
+SCENE_GOALS: Rows = {
     "a scene's goal that does not end": "present(H), between(1, inf, X), X < 0",
     "a scene's goal of every pair of pairs": "object(A, _), near(A, B, X), between(1, 30000000, Y), Y < 0",
     "a scene's goal that is long": "present(h1)" + ", present(h1)" * 6900,
     "a scene's list of lists": "findall(H, present(H), L), findall(M, (between(1, 10000000, M), M < 0), [])",
 }
-GIVEN = {
+GIVEN: Rows = {
     "evidence of a large number": "0 < 9 ** (9 ** (9 ** 9))",
     "evidence that does not end": "\\+ (between(1, inf, X), X < 0)",
     "evidence in a long row": "b" + ", b" * 6900,
 }
-RULES = {
+RULES: Rows = {
     "rules with a large label": "9 ** (9 ** (9 ** 9))::c. evidence(c).",
     "rules that do not end": "p(X) :- p(f(X)). evidence(p(z)).",
     "rules in a long row": "c :- " + "b, " * 6900 + "b. evidence(c).",
     "rules of eight megabytes": lambda: filled("0.5::c(x,1).\n", before="c :- b.\n"),
 }
-SCENE_RULES = {
+SCENE_RULES: Rows = {
     "a scene's rules with a large label": "9 ** (9 ** (9 ** 9))::c. constraint(x) :- present(_), \\+ c.",
     "a scene's constraint that does not end": "constraint(X) :- present(_), between(1, inf, X), X < 0.",
     "a scene's constraint of a million names": "constraint(X) :- present(_), between(1, 1000000, X).",
     "a scene's rules in a long row": "constraint(x) :- " + "present(_), " * 6900 + "present(_).",
     "a scene's choices, thousands": "0.5::c(X) :- between(1, 100000, X). constraint(X) :- c(X), c(Y), Y > X, present(_).",
 }
-KB_RULES = {
+KB_RULES: Rows = {
     "a knowledge base's rules with a large label": "9 ** (9 ** (9 ** 9))::c. constraint(x) :- c.",
     "a knowledge base's rules in a long row": "constraint(x) :- " + "present(_), " * 6900 + "present(_).",
     "a knowledge base's rules that say nothing, long": lambda: filled("0.5::c(x,1).\n", 999_000, before=""),
     "a knowledge base's rules with signs of rules": lambda: filled(":- ", 999_000, before="% "),
 }
-PERCEIVED = {
+PERCEIVED: Rows = {
     "a constraint that does not end, perceived": "constraint(X) :- present(_), between(1, inf, X), X < 0.",
     "a hard constraint, perceived": lambda: grid(10).replace("query(a).", "constraint(x) :- present(_), \\+ a."),
 }
-DEFAULT = {
+DEFAULT: Rows = {
     "an endless term, explained": "a :- p(z). p(X) :- p(s(X)).",
     "a grid, explained": lambda: grid(8),
     "a million proofs": "d(0). d(1). 0.5::x(I,V) :- d(V). n(I) :- between(1,20,I). f(0). f(I) :- I > 0, J is I - 1, x(I,_), f(J). a :- f(20).",
     "eight megabytes of rules, explained": lambda: filled("b(X) :- c(f(X)).\n", before="a :- b(1).\n"),
 }
 """Asked where no deadline can be given."""
-LINES = {
+LINES: Rows = {
     "an endless goal in the shell": "ask between(1, inf, X), X < 0\nask b",
     "a large number in the shell": "observe 0 < 9 ** (9 ** (9 ** 9))\nworlds",
     "a line of a megabyte in the shell": "ask " + LONG_GOAL * 8,

@@ -23,6 +23,7 @@ from plogic.facts.situation import Reading
 from plogic.facts.spatial import exclusion_lines, exclusions
 from plogic.logic.safety.atoms import quoted
 from plogic.logic.safety.author import load_problog
+from plogic.logic.safety.rows import is_quick
 from plogic.logic.served.engine import TOO_DEEP, ProgramRanking
 from plogic.run.sources import is_program, program_text_of
 from plogic.scene import document as rows
@@ -73,6 +74,8 @@ def _opened(source: str, options: Asking) -> Asked:
 
 def _endless(text: str, file: str) -> list[str]:
     """Without ProbLog where no clause has a number or a term that grows."""
+    if not is_quick(text):
+        return []
     bodies = (clause.partition(":-")[2] for clause in text.split("."))
     if not any(re.search(r"\bis\b|\(\s*+\w++\(", body) for body in bodies):
         return []
@@ -84,7 +87,7 @@ def _endless(text: str, file: str) -> list[str]:
 
 def _idle(program: Program) -> list[str]:
     """Without ProbLog where the text cannot hold any."""
-    if re.search(r"(?m)^[ \t]*+:-|constraint", program.text) is None:
+    if not is_quick(program.text) or re.search(r"(?m)^[ \t]*+:-|constraint", program.text) is None:
         return []
     load_problog()
     from plogic.logic.safety.added import idle

@@ -27,8 +27,9 @@ def author_rules(text: str, names: Names, program: frozenset[str], file: str = F
     from plogic.logic.safety.added import check_added, lawful
     from plogic.logic.safety.check import is_directive, parse
     from plogic.logic.safety.mapping import mapped
+    from plogic.logic.safety.rows import QUICK
 
-    source = parse(text, file)
+    source = parse(text, file, most=QUICK)
     spelled = parse("\n".join(f"{mapped(s, names)}." for s in source.statements if not is_directive(s)), file)
     check_added(source, program)
     written = [s if is_directive(s) else mapped(s, names) for s in source.statements]

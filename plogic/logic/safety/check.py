@@ -30,7 +30,7 @@ from plogic.logic.safety.allowlist import (
     SPECIAL_HEADS,
 )
 from plogic.logic.safety.closest import closest
-from plogic.logic.safety.rows import LONG, MOST, rows_in
+from plogic.logic.safety.rows import LONG, MOST, QUICK, SHORT_TEXT, rows_in
 
 LONGEST_TEXT = 20_000_000
 """Characters that a program may have."""
@@ -38,10 +38,6 @@ _NO_NUMBERS = r"%[^\n]*+|'(?:[^'\\]|\\.|'')*+(?:'|\Z)|\"(?:[^\"\\]|\\.)*+(?:\"|\
 """Comments and quoted texts of a program. What is not closed reaches to the end, so that nothing is looked at twice."""
 TOO_LONG_ROWS = "too many operators in a row (a, b, c, ...): break the row up into clauses"
 TOO_DEEP = "nested too deeply"
-REMEMBERED_TEXT = 50_000
-"""Characters of a text up to which it is remembered: its terms take some hundred times as many bytes."""
-QUICK = 1_000_000
-"""``Rows.work`` of a text that is read at a glance: a row of a thousand operators, a quarter of a second."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -66,10 +62,10 @@ class Source:
         return {"file": self.file}
 
 
-def parse(text: str, file: str = "program", identifier: int = 0) -> Source:
+def parse(text: str, file: str = "program", identifier: int = 0, most: int = MOST) -> Source:
     """Parse program text; raises ProgramError with the place of a syntax error.
 
-    ``identifier`` marks the places for a ClauseDB of many files.
+    ``identifier`` marks the places for a ClauseDB of many files. ``most``: what its long rows may cost (``Rows.work``).
     """
     if len(text) > LONGEST_TEXT:
         raise ProgramError(f"longer than {LONGEST_TEXT} characters", file=file)
@@ -77,19 +73,16 @@ def parse(text: str, file: str = "program", identifier: int = 0) -> Source:
         rows = rows_in(text)
         if rows.deep is not None:
             raise ProgramError(TOO_DEEP, file=file, **_line_column(text, rows.deep))
-        if rows.work > MOST:
+        if rows.work > most:
             raise ProgramError(TOO_LONG_ROWS, file=file, **_line_column(text, rows.place))
-    return (_remembered if len(text) <= REMEMBERED_TEXT else _parsed)(text, file, identifier)
+    return (_remembered if len(text) <= SHORT_TEXT else _parsed)(text, file, identifier)
 
 
 def parse_quickly(text: str, file: str, identifier: int = 0) -> Source:
     """As ``parse``, of what is read in a process without a limit too; raises ProgramError where it takes long."""
-    if len(text) > REMEMBERED_TEXT:
-        raise ProgramError(f"longer than {REMEMBERED_TEXT} characters", file=file)
-    rows = rows_in(text)
-    if rows.work > QUICK:
-        raise ProgramError(TOO_LONG_ROWS, file=file, **_line_column(text, rows.place))
-    return parse(text, file, identifier)
+    if len(text) > SHORT_TEXT:
+        raise ProgramError(f"longer than {SHORT_TEXT} characters", file=file)
+    return parse(text, file, identifier, QUICK)
 
 
 def glanced(text: str, file: str) -> Source | None:
@@ -119,7 +112,7 @@ def _parsed(text: str, file: str, identifier: int) -> Source:
 
 _remembered = lru_cache(maxsize=16)(_parsed)
 """A session asks one program many questions, and each request carries its text: a source is frozen, and is read
-once."""
+once. A long one is not kept, for its terms take some hundred times as many bytes."""
 
 
 Mistake = tuple[type[ProgramError], str, Any]
@@ -143,7 +136,7 @@ def check_source(
     clauses, as long as it is not called: that is told when it is. ``ANYTHING`` is among the signatures where the text
     alone does not tell what it defines. ``also`` finds further mistakes.
     """
-    return (_held_before if len(source.text) <= REMEMBERED_TEXT else _held)(source, known, protected, also)
+    return (_held_before if len(source.text) <= SHORT_TEXT else _held)(source, known, protected, also)
 
 
 def _held(source: Source, known: frozenset[str], protected: frozenset[str], also: Look | None) -> frozenset[str]:

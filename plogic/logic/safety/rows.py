@@ -14,6 +14,10 @@ MOST = 16_000_000
 """Sum of the squares of all longer rows: 4,000 operators in one; 1.5 to 3 seconds of the parser."""
 DEEPEST = 20_000
 """Brackets in each other."""
+SHORT_TEXT = 50_000
+"""Characters of a text that is read quickly."""
+QUICK = 1_000_000
+"""``Rows.work`` of a text that is read quickly: a row of a thousand operators, a quarter of a second."""
 _TOKEN = re.compile(
     r"""'(?:[^'\\]|\\(?:.|\Z)|'')*+(?:'|\Z)|"(?:[^"\\]|\\(?:.|\Z))*+(?:"|\Z)|%[^\n]*+|/\*.*?(?:\*/|\Z)"""
     r"""|(?P<open>[\w'"]?[(\[{])|(?P<close>[)\]}])|(?P<stop>\.(?=\s|\Z))|(?P<comma>,)"""
@@ -76,3 +80,8 @@ def rows_in(text: str) -> Rows:
             break
     found.add(*rows)
     return found
+
+
+def is_quick(text: str) -> bool:
+    """Whether the parser takes no time worth speaking of."""
+    return len(text) <= SHORT_TEXT and rows_in(text).work <= QUICK
