@@ -32,8 +32,9 @@ PATIENCE = 120.0
 """Seconds over the limit after which a run is killed."""
 AUDIT = Path(__file__).parent / "audit"
 PAGE = os.sysconf("SC_PAGE_SIZE")
-_OURS = re.compile(r"(?!subprocess)\S+ \{place\}/tmp/|subprocess.Popen \S*/problog/bin/")
-"""What is no fault of a program: scratch files, of which none may be left, and the compilers that ProbLog ships."""
+_OURS = re.compile(r"(?!subprocess)\S+ (\{place\}/tmp/|\{home\}/\.cache/plogic/)|subprocess.Popen \S*/problog/bin/")
+"""What is no fault of a program: scratch files, of which none may be left, caches of surfaces, and the compilers that
+ProbLog ships."""
 
 
 @dataclass(frozen=True)
@@ -160,8 +161,8 @@ def run(door: str, text: str, goal: str, place: Path, limit: float) -> Seen:
     """Run a text with bait through a door, in a new folder."""
     secret, mark = secrets.token_hex(12), secrets.token_hex(8)
     shutil.rmtree(place, ignore_errors=True)
-    for path in (place / "run", place / "tmp", place.parent / "home"):
-        path.mkdir(parents=True, exist_ok=True)
+    for made in (place / "run", place / "tmp", place.parent / "home"):
+        made.mkdir(parents=True, exist_ok=True)
     folder = place / "run"
     paths = bait_in(place / "bait", secret)
     for name, path in paths.items():
@@ -257,7 +258,10 @@ def _files(place: Path) -> set[str]:
 
 def _did(place: Path) -> frozenset[str]:
     """What the hook wrote down, with the names that differ from run to run taken out."""
-    log = place / "audit"
+    log, home = place / "audit", str(place.parent / "home")
     lines = log.read_text("utf-8", "replace").splitlines() if log.exists() else []
-    named = (re.sub(r"(plogic-child-)\w+|\d{3,}", r"\1*", line.replace(str(place), "{place}")) for line in lines)
+    named = (
+        re.sub(r"(plogic-child-)\w+|\d{3,}", r"\1*", line.replace(str(place), "{place}").replace(home, "{home}"))
+        for line in lines
+    )
     return frozenset(line for line in named if not _OURS.match(line))
