@@ -1,5 +1,6 @@
 """From Γ to an interpretation: the cycle, the situation, its worlds, and the document that holds them all."""
 
+import math
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
@@ -20,6 +21,7 @@ from plogic.cycle.state import Cycle, Task
 from plogic.facts.document import Interpretation, StepRow
 from plogic.facts.hypothesis import Hypothesis
 from plogic.facts.situation import SEARCH, WORLDS, Stopped
+from plogic.logic.served.engine import within
 from plogic.match.gamma.data import Data, data_of
 from plogic.match.kinds import FAST, GENERATORS, models_of
 from plogic.measures.distinctiveness import distinctiveness, instance_counts
@@ -36,6 +38,8 @@ SMOOTHED = 0.001
 AFTER = 0.1
 """Seconds that the worlds of what was found may take, however near the deadline is: they take some milliseconds, as a
 rule."""
+RULES = 1.0
+"""Seconds that the rules of an author may take then: a process reads them, which starts in half of one."""
 LISTED_WORLDS = 100
 """Worlds that an interpretation lists; the mass of the others is stated."""
 
@@ -87,6 +91,19 @@ class Perceiver:
         clock: Stopwatch,
     ) -> Interpretation:
         """The interpretation document of what the cycle came to."""
+        left = math.inf if options.end is None else max(options.end - monotonic(), RULES)
+        with within(left):
+            return self._document(gamma, data, cycle, options, image, clock)
+
+    def _document(
+        self,
+        gamma: Gamma,
+        data: Data,
+        cycle: Cycle,
+        options: Options,
+        image: NDArray[np.uint8] | None,
+        clock: Stopwatch,
+    ) -> Interpretation:
         gamma, (delta, rejected, trace) = gamma.in_order(), self._facts(data, cycle, options, clock)
         with clock.stage("worlds"):
             delta, ranking = ranked(

@@ -188,9 +188,24 @@ def through(process: Callable[[dict[str, Any]], dict[str, Any]]) -> Iterator[Non
         _ASKED.reset(token)
 
 
+_END: contextvars.ContextVar[float | None] = contextvars.ContextVar("end", default=None)
+
+
+@contextlib.contextmanager
+def within(seconds: float) -> Iterator[None]:
+    """Let all requests within it that go to fresh processes take no more than so many seconds together."""
+    token = _END.set(monotonic() + seconds)
+    try:
+        yield
+    finally:
+        _END.reset(token)
+
+
 def ask(request: dict[str, Any], limits: Limits) -> dict[str, Any]:
     """The reply of a fresh process; raises what went wrong in it, and LimitError when it runs out of time or memory."""
-    process = _ASKED.get()
+    process, end = _ASKED.get(), _END.get()
+    if end is not None:
+        limits = replace(limits, seconds=max(0.0, min(limits.seconds, end - monotonic())))
     request = _trusted(request, limits)
     try:
         reply = _ask(request, limits) if process is None else process(request)
@@ -240,7 +255,7 @@ def _told(request: dict[str, Any], limits: Limits, *, late: bool = True) -> str:
             raise errors.LimitError(f"the process of the inference could not work: {said[:300]}")
         ended = child.end()
     if over and not late:
-        raise errors.LimitError(f"the inference took longer than {limits.seconds:g} s")
+        raise errors.LimitError(f"the inference took longer than {limits.seconds:.3g} s")
     if not (over or late or b"\n" in told):
         raise errors.LimitError(DEAD.format(ended))
     return told.decode()

@@ -20,7 +20,7 @@ from dataclasses import dataclass, field, replace
 from functools import lru_cache
 from typing import TYPE_CHECKING, Any
 
-from plogic.base.errors import OutsideError
+from plogic.base.errors import LimitError, OutsideError
 from plogic.facts.dependence import Scene, dependence
 from plogic.facts.situation import Situation, names_of
 from plogic.inference.gates import And, Formula, Literal, Not, Or
@@ -244,7 +244,13 @@ def standing(situation: Situation) -> tuple[Meaning, ...]:
     added = added_to(situation)
     own = situation.own is not None  # its mistakes are told when it is read
     observing = added is not None and any(own or observes(piece.text, piece.file) for piece in added.pieces())
-    return (meaning(situation, ()),) if observing else ()
+    if not observing or added is None:
+        return ()
+    try:
+        return (meaning(situation, ()),)
+    except LimitError as error:
+        files = ", ".join(dict.fromkeys(piece.file for piece in added.pieces()))
+        raise LimitError(f"{files}: what is observed there cannot be weighed: {error}") from None
 
 
 def _short(situation: Situation, asked: Sequence[str]) -> Situation:
