@@ -93,38 +93,31 @@ class Perceiver:
         """The interpretation document of what the cycle came to."""
         left = math.inf if options.end is None else max(options.end - monotonic(), RULES)
         with within(left):
-            return self._document(gamma, data, cycle, options, image, clock)
-
-    def _document(
-        self,
-        gamma: Gamma,
-        data: Data,
-        cycle: Cycle,
-        options: Options,
-        image: NDArray[np.uint8] | None,
-        clock: Stopwatch,
-    ) -> Interpretation:
-        gamma, (delta, rejected, trace) = gamma.in_order(), self._facts(data, cycle, options, clock)
-        with clock.stage("worlds"):
-            delta, ranking = ranked(
-                delta, trace, None if options.end is None else max(options.end - monotonic(), AFTER)
-            )
-            late = not ranking.exact and options.end is not None
-            stopped: Stopped = SEARCH if any(step["event"] == "deadline" for step in trace) else WORLDS if late else ""
-            if stopped == WORLDS:
-                trace.append(
-                    _step(
-                        len(trace) + 1, "deadline", "the deadline was reached: probabilities are known within intervals"
-                    )
+            gamma, (delta, rejected, trace) = gamma.in_order(), self._facts(data, cycle, options, clock)
+            with clock.stage("worlds"):
+                delta, ranking = ranked(
+                    delta, trace, None if options.end is None else max(options.end - monotonic(), AFTER)
                 )
-        with clock.stage("document"):
-            document = document_of(
-                self.kb, gamma, delta, rejected, trace, ranking, image, seconds=AFTER if late else None
-            )
-            doubt = focal_doubt(document, gamma.camera)
-        if doubt is not None:
-            document = {**document, "camera_doubt": doubt}
-        return marked(document, ranking, stopped) if stopped else document
+                late = not ranking.exact and options.end is not None
+                stopped: Stopped = (
+                    SEARCH if any(step["event"] == "deadline" for step in trace) else WORLDS if late else ""
+                )
+                if stopped == WORLDS:
+                    trace.append(
+                        _step(
+                            len(trace) + 1,
+                            "deadline",
+                            "the deadline was reached: probabilities are known within intervals",
+                        )
+                    )
+            with clock.stage("document"):
+                document = document_of(
+                    self.kb, gamma, delta, rejected, trace, ranking, image, seconds=AFTER if late else None
+                )
+                doubt = focal_doubt(document, gamma.camera)
+            if doubt is not None:
+                document = {**document, "camera_doubt": doubt}
+            return marked(document, ranking, stopped) if stopped else document
 
     def accepted(self, gamma: Gamma, image: NDArray[np.uint8] | None = None) -> list[tuple[Hypothesis, float]]:
         """What is accepted of one Γ, with its probability.
