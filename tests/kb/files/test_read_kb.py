@@ -348,7 +348,7 @@ def test_bytes_that_are_no_text(tmp_path):
 
 def test_rules_of_more_than_the_limit(tmp_path):
     assert mistakes(write_small(tmp_path, rules="% \n" * 400_000)) == [
-        "rules.pl: the file has 1200000 bytes, more than the 1000000 that are read"
+        "rules.pl: the file has 1200000 bytes, more than the 200000 that are read"
     ]
 
 
