@@ -37,7 +37,7 @@ LONG = 1e6
 LOOK = 0.5
 """Seconds between two looks for the parent, where the system sends no such signal."""
 CHILD = "PLOGIC_CHILD"
-"""The variable by which a child of Python learns the number of its parent and its limit of memory."""
+"""The variable by which a child of Python learns the number of its parent."""
 
 
 def python(module: str, *arguments: str) -> list[str]:
@@ -52,7 +52,6 @@ class Child:
     may use, and its children with it, if the command's limit is not lower. ``folder``: where it runs, if not in its
     scratch folder; ``variables`` are added to the environment. ``files`` are written into its scratch folder before it
     starts.
-    ``foreign``: it is no module of ours, and does not call ``begin``.
     """
 
     def __init__(
@@ -64,14 +63,13 @@ class Child:
         folder: str | None = None,
         variables: Mapping[str, str] | None = None,
         files: Mapping[str, bytes] | None = None,
-        foreign: bool = False,
     ) -> None:
         made = contextlib.ExitStack()
         try:
             self.folder, parent = made.enter_context(scratch()), os.getpid()
             for name, data in {**(files or {}), **({} if told is None else {".told": told})}.items():
                 (self.folder / name).write_bytes(data)
-            environment = _environment(self.folder) | dict(variables or {}) | {CHILD: f"{parent} {memory}"}
+            environment = _environment(self.folder) | dict(variables or {}) | {CHILD: str(parent)}
             with contextlib.ExitStack() as opened:
                 asked = subprocess.PIPE if told is None else opened.enter_context((self.folder / ".told").open("rb"))
                 said = opened.enter_context((self.folder / ".said").open("wb"))
@@ -83,7 +81,7 @@ class Child:
                     cwd=folder or self.folder,
                     env=environment,
                     start_new_session=True,
-                    preexec_fn=_bound(parent, memory if foreign else 0),  # noqa: PLW1509 - of one thread, or without locks
+                    preexec_fn=_bound(parent, memory),  # noqa: PLW1509 - of one thread, or without locks
                 )
         except BaseException:
             made.close()
@@ -229,10 +227,8 @@ def ending_well() -> Iterator[None]:
 
 
 def begin() -> None:
-    """Do first in a module that ``Child`` runs: end with the parent, and keep to a limit of memory."""
-    parent, memory = map(int, os.environ.pop(CHILD).split())
-    end_with(parent)
-    keep_to(memory)
+    """Do first in a module that ``Child`` runs: end with the parent, where the system does not see to that."""
+    end_with(int(os.environ.pop(CHILD)))
 
 
 def end_with(parent: int) -> None:

@@ -99,17 +99,7 @@ class Perceiver:
                     delta, trace, None if options.end is None else max(options.end - monotonic(), AFTER)
                 )
                 late = not ranking.exact and options.end is not None
-                stopped: Stopped = (
-                    SEARCH if any(step["event"] == "deadline" for step in trace) else WORLDS if late else ""
-                )
-                if stopped == WORLDS:
-                    trace.append(
-                        _step(
-                            len(trace) + 1,
-                            "deadline",
-                            "the deadline was reached: probabilities are known within intervals",
-                        )
-                    )
+                stopped = _stopped(trace, late=late)
             with clock.stage("document"):
                 document = document_of(
                     self.kb, gamma, delta, rejected, trace, ranking, image, seconds=AFTER if late else None
@@ -166,6 +156,17 @@ class Perceiver:
             task = Task(data, self.kb, self.models, self.dv, options.end, self.processes)
             cycle = perceive(task, seeds=seeds, usual=usual)
         return data, cycle
+
+
+def _stopped(trace: list[StepRow], *, late: bool) -> Stopped:
+    """Where the deadline came; the trace tells it."""
+    if any(step["event"] == "deadline" for step in trace):
+        return SEARCH
+    if not late:
+        return ""
+    what = "the deadline was reached: probabilities are known within intervals"
+    trace.append(_step(len(trace) + 1, "deadline", what))
+    return WORLDS
 
 
 def perceiver_of(kb: KnowledgeBase, generator: str = FAST, processes: int | None = None) -> Perceiver:

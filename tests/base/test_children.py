@@ -41,7 +41,7 @@ def gone(pids):
 
 
 def shell(text, told=b"", **options):
-    return Child(["sh", "-c", text], told=told, foreign=True, **options)
+    return Child(["sh", "-c", text], told=told, **options)
 
 
 @pytest.fixture

@@ -21,7 +21,7 @@ HERE = str(Path(__file__).resolve())
 def sleeper():
     """Begin, start one more, tell both numbers, and sleep."""
     begin()
-    inner = Child(["sleep", "600"], told=b"", foreign=True)
+    inner = Child(["sleep", "600"], told=b"")
     tell(os.getpid(), inner.pid)
     time.sleep(600)
 

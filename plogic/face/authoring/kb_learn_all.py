@@ -76,9 +76,9 @@ def learned(
     try:
         # a forked process would inherit the locks of OpenCV's threads, and wait for them for ever
         growing(done, everything.begun(), options.jobs, everything.then)
-    except ChildDiedError:
+    except ChildDiedError as error:
         raise InputError(
-            f"a process that rendered was killed, as for lack of memory: fewer --jobs than {options.jobs}?"
+            f"a process that rendered ended ({error}): where memory is short, fewer --jobs than {options.jobs}"
         ) from None
     return everything.result()
 

@@ -188,7 +188,7 @@ def _dsharp(bundles: list[list[tuple[Clause, ...]]]) -> list[str | None]:
     for start in range(0, len(texts), RUNS):
         with ExitStack() as stack:
             runs = [
-                stack.enter_context(Child(command, told=b"", files={PROGRAM: text}, foreign=True))
+                stack.enter_context(Child(command, told=b"", files={PROGRAM: text}))
                 for text in texts[start : start + RUNS]
             ]
             found += [_finished(run) for run in runs]

@@ -221,19 +221,18 @@ class Pool:
         if worker.kb is None:
             self._failed += 1
             if self._failed >= STARTS:
-                raise InputError(
-                    f"{self._settings.kb}: the process that reads it ends before it is ready ({how}), as for lack of memory"
-                )
+                raise InputError(f"{self._settings.kb}: the process that reads it ends before it is ready ({how})")
             self._left.extend([] if job is None else [job])
         elif job is not None and job.again:
-            yield self._given_up(job, f"the process that perceives it dies ({how}), as for lack of memory")
+            yield self._given_up(job, f"the process that perceives it dies ({how})")
         elif job is not None:
             self._left.append(job._replace(again=True))
 
     def _gone(self, worker: Process) -> str:
         """Forget a worker; how it ended."""
         self._workers.remove(worker)
-        return worker.end()
+        how = worker.end()
+        return f"{how}, as for lack of memory" if how == "signal 9" else how
 
     def _given_up(self, job: Job, message: str) -> Answer:
         assert self._lines is not None  # noqa: S101 - some worker was ready

@@ -251,7 +251,7 @@ def test_a_process_that_is_killed_is_one_clear_line(tmp_path, monkeypatch):
 
     monkeypatch.setattr(kb_learn_all, "growing", growing)
     new_command(tmp_path / "kb", None)
-    with pytest.raises(InputError, match="was killed, as for lack of memory: fewer --jobs than 2"):
+    with pytest.raises(InputError, match=r"ended \(signal 9\): where memory is short, fewer --jobs than 2"):
         learn(kb_of(str(tmp_path / "kb")), ())
 
 

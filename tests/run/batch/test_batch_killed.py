@@ -152,7 +152,7 @@ def test_a_worker_that_dies_or_hangs_costs_its_frame_alone(tmp_path):
     wrong = {row["input"][7]: row["error"] for row in rows if row["status"] == "error"}
     assert [row["input"][7] for row in rows] == list("abcdef")
     assert wrong == {
-        "b": "the process that perceives it dies (signal 9), as for lack of memory",
+        "b": "the process that perceives it dies (signal 9, as for lack of memory)",
         "d": "took longer than 4 s",
     }
     assert run.returncode == 1
