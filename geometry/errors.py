@@ -16,7 +16,7 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import NamedTuple
 
-from geometry.printable import fit
+from geometry.printable import fit, visible
 
 MOST = 100
 """Mistakes that are told one by one."""
@@ -72,10 +72,12 @@ class WhichCameraError(CameraError):
 
 
 def told(mistakes: Sequence[object], between: str = "\n") -> str:
-    """The first ``MOST`` of them, ``between`` one and the next, and how many more there are.
+    """The first ``MOST`` of them on a line each, ``between`` one and the next, and how many more there are.
 
     >>> told(["a is wrong", "b is missing"], "; ")
     'a is wrong; b is missing'
     """
     more = len(mistakes) - MOST
-    return between.join([*map(str, mistakes[:MOST]), *([f"and {more} more"] if more > 0 else [])])
+    return between.join(
+        [*(visible(str(mistake)) for mistake in mistakes[:MOST]), *([f"and {more} more"] if more > 0 else [])]
+    )

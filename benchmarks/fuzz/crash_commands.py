@@ -11,6 +11,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
+from benchmarks.fuzz.seeds import robot_mesh, sdf, urdf
 from kb.files.changes import CHANGE, LOCK
 
 ROOT = Path(__file__).parents[2]
@@ -63,6 +64,9 @@ SAID = {
     "new",
     "all",
     "fresh",
+    "robot.urdf",
+    "robot.sdf",
+    "--jobs=2",
 }
 
 
@@ -78,7 +82,10 @@ def commands() -> list[Command]:
         _command("kb add more --mesh painted.obj --units m --kb fresh", "fresh", Kind.KB, ""),
         _command("kb import models --kb kb", "kb", Kind.KB, "types"),
         _command("kb import models --kb fresh", "fresh", Kind.KB, ""),
+        _command("kb import robot.urdf --kb kb", "kb", Kind.KB, "types"),
+        _command("kb import robot.sdf --kb kb", "kb", Kind.KB, "types"),
         _command("kb learn --jobs 1 --kb kb", "kb", Kind.KB, "learned"),
+        _command("kb learn --jobs=2 --seed 1 --kb kb", "kb", Kind.KB, "types"),
         _command("kb learn box --photo photo.png --points points.csv --jobs 1 --kb kb", "kb", Kind.KB, "photo"),
         _command("kb learn-rates story --kb book", "book", Kind.KB, "rates"),
         _command("kb assimilate panorama.json u1 --name draft --kb bare", "bare", Kind.KB, "unknown"),
@@ -109,6 +116,9 @@ def prepare(folder: Path, chosen: Sequence[Command], well: Well) -> None:
     """Write what the commands need into a folder; ``well`` runs other commands for it."""
     needs = {command.needs for command in chosen}
     _write_meshes(folder)
+    robot_mesh(folder)
+    (folder / "robot.urdf").write_bytes(urdf()[0])
+    (folder / "robot.sdf").write_bytes(sdf()[0])
     shutil.copy(ROOT / "examples" / "first_gamma.json", folder / "gamma.json")
     (folder / "session.txt").write_text("present(h1).\nsave x.session\n")
     (folder / "shots").mkdir()

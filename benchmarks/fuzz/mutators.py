@@ -34,6 +34,10 @@ TEXTS = (
 )  # fmt: skip
 FLOOD = 2_000, 20_000, 100_000
 """Repetitions of what is repeated."""
+MANY = 100_000
+"""Values of a tree that are looked at, and that one change adds."""
+CHANGES = 1, 1, 1, 2, 4, 8
+"""Of one input: what is changed once often passes the checks, and reaches what comes after them."""
 
 
 def as_bytes(data: bytes, rng: Random, pool: Sequence[bytes]) -> bytes:
@@ -75,14 +79,14 @@ class _Raw(str):
 
 
 def as_json(data: bytes, rng: Random, pool: Sequence[bytes]) -> bytes:
-    """One to four changes anywhere in the tree; now and then, of the text."""
+    """One to eight changes anywhere in the tree; now and then, of the text."""
     try:
         tree = json.loads(data)
     except (ValueError, RecursionError):
         return as_text(data, rng, pool)
     if rng.randrange(12) == 0:
         return as_text(data, rng, pool)
-    for _ in range(1 << rng.randrange(3)):
+    for _ in range(rng.choice(CHANGES)):
         tree = changed(tree, rng)
     try:
         return _dumped(tree).encode("utf-8", "surrogatepass")[: 10 * LONGEST]
@@ -92,13 +96,7 @@ def as_json(data: bytes, rng: Random, pool: Sequence[bytes]) -> bytes:
 
 def changed(tree: Any, rng: Random) -> Any:  # noqa: ANN401 - JSON
     """The tree, with one of its values another."""
-    holders: list[tuple[Any, Any]] = []
-    todo = [tree]
-    while todo:
-        at = todo.pop()
-        keys = list(at) if isinstance(at, dict) else range(len(at)) if isinstance(at, list) else ()
-        holders += [(at, key) for key in keys]
-        todo += [at[key] for key in keys]
+    holders = [(at, key) for at in _values(tree) for key in _keys(at)][:MANY]
     if not holders or rng.randrange(60) == 0:
         return _value(tree, rng)
     at, key = rng.choice(holders)
@@ -109,7 +107,7 @@ def changed(tree: Any, rng: Random) -> Any:  # noqa: ANN401 - JSON
         _beside(at, key, rng)
     elif what == 2:
         other, elsewhere = rng.choice(holders)
-        at[key] = other[elsewhere] if not _holds(other[elsewhere], at) else None
+        at[key] = other[elsewhere] if all(inner is not at for inner in _values(other[elsewhere])) else None
     elif what == 3 and isinstance(at, dict):
         at[rng.choice((*TEXTS, *map(str, at)))] = at.pop(key)
     else:
@@ -120,22 +118,28 @@ def changed(tree: Any, rng: Random) -> Any:  # noqa: ANN401 - JSON
 def _beside(at: Any, key: Any, rng: Random) -> None:  # noqa: ANN401 - JSON
     """One more element, or key, like one that is there."""
     if isinstance(at, list):
-        at[key:key] = [at[key]] * rng.choice((1, 1, 1, 3, 50, rng.choice(FLOOD) if rng.randrange(20) == 0 else 2))
+        times = rng.choice((1, 1, 1, 3, 50, rng.choice(FLOOD) if rng.randrange(20) == 0 else 2))
+        at[key:key] = [at[key]] * min(times, MANY // len(_values(at[key])))
     else:
         at[rng.choice(TEXTS)] = at[key]
 
 
 def _value(old: Any, rng: Random) -> Any:  # noqa: ANN401 - JSON
-    what = rng.randrange(10)
+    if type(old) in (int, float) and abs(old) < 1e12 and rng.randrange(2):
+        return _near(old, rng)
+    what = rng.randrange(9)
     if what < 3:
         return _Raw(rng.choice(NUMBERS))
     if what < 5:
         return rng.choice(TEXTS)
-    if what == 5 and type(old) in (int, float) and abs(old) < 1e12:
-        return rng.choice((-old, old * 1e6, old + 1e-9, old / 3, int(old)))
-    if what == 6:
+    if what == 5:
         return _Raw(nested(rng))
     return rng.choice((None, True, False, [], {}, [old], {"a": old}, [0.0] * 3, [[1, 0], [0, 1]], [old, old]))
+
+
+def _near(old: float, rng: Random) -> float:
+    """A number that may stand there as well."""
+    return rng.choice((-old, old * 1e6, old + 1e-9, old / 3, int(old), old + 1, old - 1, old * 1.01, 0, 0.999, 1e-300))
 
 
 def nested(rng: Random) -> str:
@@ -145,14 +149,18 @@ def nested(rng: Random) -> str:
     return opened * deep + "1" + closed * (deep if rng.randrange(3) else deep - 1)
 
 
-def _holds(tree: Any, inner: Any) -> bool:  # noqa: ANN401 - JSON
-    todo = [tree]
-    while todo:
-        at = todo.pop()
-        if at is inner:
-            return True
-        todo += at.values() if isinstance(at, dict) else at if isinstance(at, list) else []
-    return False
+def _values(tree: Any) -> list[Any]:  # noqa: ANN401 - JSON
+    """The tree, and what is in it, at most ``MANY`` values."""
+    every = [tree]
+    for at in every:  # which grows
+        if len(every) >= MANY:
+            break
+        every += [at[key] for key in _keys(at)]
+    return every[:MANY]
+
+
+def _keys(at: Any) -> Sequence[Any]:  # noqa: ANN401 - JSON
+    return list(at) if isinstance(at, dict) else range(len(at)) if isinstance(at, list) else ()
 
 
 def _dumped(tree: Any) -> str:  # noqa: ANN401 - JSON
@@ -177,7 +185,7 @@ def as_text(data: bytes, rng: Random, pool: Sequence[bytes]) -> bytes:
     if rng.randrange(15) == 0:
         return as_bytes(data, rng, pool)
     tokens = _TOKEN.findall(data.decode("utf-8", "replace"))
-    for _ in range(1 << rng.randrange(4)):
+    for _ in range(rng.choice(CHANGES)):
         _reworded(tokens, rng, pool)
     return "".join(tokens).encode("utf-8", "surrogatepass")[: 10 * LONGEST]
 
@@ -187,7 +195,7 @@ def _reworded(tokens: list[str], rng: Random, pool: Sequence[bytes]) -> None:
     if what < 3 and tokens:
         numbers = [i for i, token in enumerate(tokens) if token[:1].isdigit()]
         place = rng.choice(numbers) if numbers and rng.randrange(3) else min(at, len(tokens) - 1)
-        tokens[place] = rng.choice(NUMBERS if tokens[place][:1].isdigit() and rng.randrange(4) else TEXTS)
+        tokens[place] = _reworded_one(tokens[place], rng)
     elif what == 3:
         del tokens[at : at + rng.choice((1, 1, 2, 5, 20))]
     elif what == 4:
@@ -205,6 +213,12 @@ def _reworded(tokens: list[str], rng: Random, pool: Sequence[bytes]) -> None:
         tokens[at:at] = [rng.choice(("\n", "\t", "\r\n", "\n\n- ", "\ufeff", "\x00", "\n---\n", ": ", ",", "."))]
     else:
         tokens[at:at] = [rng.choice((*NUMBERS, *TEXTS))]
+
+
+def _reworded_one(token: str, rng: Random) -> str:
+    if token.isdecimal() and len(token) < 9 and rng.randrange(2):
+        return str(_near(int(token), rng))
+    return rng.choice(NUMBERS if token[:1].isdigit() and rng.randrange(4) else TEXTS)
 
 
 def as_xml(data: bytes, rng: Random, pool: Sequence[bytes]) -> bytes:

@@ -38,6 +38,8 @@ SLOW = 10.0
 """Processor seconds of one input that count as a hang."""
 MEMORY = 2 << 30
 """Bytes of address space that the reading of one input may take beside what the process has."""
+SMALL = 10_000
+"""Bytes of an input from which others are made: most of those that are larger are long in one place alone."""
 _OWN = re.compile(r"\d+|'[^']*'|\"[^\"]*\"|/[^\s:]*")
 
 
@@ -72,12 +74,13 @@ class Lot:
 
 
 def inputs(kind: Kind, seed: int, number: int, pool: Sequence[bytes], count: int) -> Any:  # noqa: ANN401 - an iterator of bytes
-    """The inputs of a lot, in order; of the first lot the good ones come first."""
+    """The inputs of a lot, in order: of the first lot the good ones come first; half of all are made from those."""
+    good = pool[: len(kind.seeds())]
     rng = Random(f"{kind.name} {seed} {number}")  # noqa: S311 - no secret
     start = list(pool)[:count] if number == 0 else []
     yield from start
     for _ in range(count - len(start)):
-        data = kind.mutate(rng.choice(pool), rng, pool)
+        data = kind.mutate(rng.choice(rng.choice((good, pool))), rng, pool)
         yield kind.mutate(data, rng, pool) if rng.randrange(4) == 0 else data
 
 
@@ -138,10 +141,10 @@ def _one(kind: Kind, path: Path, data: bytes, done: Lot, known: set[str]) -> Non
         done.slowest, done.slowest_data = took, data
     if fault is not None and fault.sign not in {f.sign for f in done.faults}:
         done.faults.append(fault)
-    if sign not in known and fault is None and sign != "accepted":
+    if len(data) > SMALL or fault is not None:
+        return
+    if (sign == "accepted" and done.accepted % 50 == 1) or sign not in known:
         known.add(sign)
-        done.found.append(data)
-    elif sign == "accepted" and len(data) < 4000 and done.accepted % 50 == 1:
         done.found.append(data)
 
 

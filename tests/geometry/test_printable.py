@@ -9,7 +9,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from geometry.errors import PlogicError
+from geometry.errors import PlogicError, told
 from geometry.printable import HEAD, LINES, LONGEST, TAIL, cut, fit, shown, visible
 
 TEXT = st.text(st.characters())  # halves of pairs as well
@@ -68,3 +68,10 @@ def test_a_message_has_a_few_short_lines_whatever_it_repeats():
     assert max(map(len, lines)) <= LONGEST
     assert fit(str(error)) != ""
     assert "\x1b" not in str(error)
+
+
+def test_a_mistake_is_one_line_whatever_it_repeats():
+    assert told(["t\nplogic: all is well: wrong", "b\r\u2028: missing"]).split("\n") == [
+        "t\\nplogic: all is well: wrong",
+        "b\\r\\u2028: missing",
+    ]
