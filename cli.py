@@ -3,6 +3,7 @@
 import io
 import os
 import sys
+import warnings
 from errno import EDQUOT, EFBIG, EMFILE, ENFILE, ENOSPC, EROFS
 from pathlib import Path
 from typing import Any
@@ -348,6 +349,9 @@ def main() -> None:
     os.environ.setdefault(
         "OPENBLAS_NUM_THREADS", "1"
     )  # our products of matrices are many and small: more threads take longer
+    if not sys.warnoptions:  # what libraries warn programmers of; what a user should know, commands say themselves
+        warnings.simplefilter("ignore")
+        os.environ.setdefault("PYTHONWARNINGS", "ignore")  # so in the processes that are started
     open_streams()
     try:
         hold(limit(os.environ))

@@ -47,6 +47,8 @@ MOST_LINES = 120
 """Lines on standard error: a hundred mistakes, and what was left out."""
 LONGEST_LINE = 1100
 """Characters of a line on standard error."""
+BAD = "Traceback", "internal error", "Warning: "
+"""What no line on standard error may hold."""
 NEEDED = ".modules"
 """File of the modules that a run has imported."""
 _OBEYED = re.compile("[\x00-\x08\x0b-\x1f\x7f-\x9f\u061c\u200e\u200f\u2028\u2029\u202a-\u202e\u2066-\u2069]")
@@ -158,6 +160,7 @@ def _become(words: Sequence[str], folder: Path, how: str) -> None:
         if how == "script":
             os.execv(shutil.which("plogic") or "", ["plogic", *words])  # noqa: S606 - our own
         sys.argv = ["plogic", *words]
+        warnings.resetwarnings()
         sys.stdin, sys.stdout, sys.stderr = (os.fdopen(i, mode, encoding="utf-8") for i, mode in enumerate("rww"))
         from plogic.face.commands.started import main
 
@@ -183,7 +186,7 @@ def fault_of(status: int, seconds: float, memory: int, folder: Path) -> str | No
     """What was wrong with a run, if anything."""
     said, printed = ((folder / name).read_text("utf-8", "replace") for name in (".err", ".out"))
     lines = said.splitlines() or [""]
-    bad = [line for line in lines if "Traceback" in line or "internal error" in line]
+    bad = [line for line in lines if any(sign in line for sign in BAD)]
     seen = _OBEYED.search(said + printed)
     faults = {
         f"ended with {status}: {said[-300:]}": status not in (0, 1, 2, 3),

@@ -11,6 +11,7 @@ Vocabulary: ``Texture``, the picture of one material, ``Texture("paint", "textur
 
 import base64
 import binascii
+import logging
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from io import BytesIO
@@ -25,6 +26,7 @@ from geometry.files.plain_files import IS_MISSING
 from geometry.files.side_files import Side, gltf_parts, is_data, side_files
 from geometry.files.xml_files import root_of
 
+logging.getLogger("trimesh").addHandler(logging.NullHandler())  # without one, tracebacks are printed
 Placed = list[tuple[Any, Floats]]
 
 

@@ -296,7 +296,7 @@ class KBModel(Model):
 
     name: Name = Field(description="The knowledge base's name.")
     appearance_types: list[Name] = Field(description="The vocabulary of appearance types, which detectors report.")
-    f_ref: Positive = Field(600.0, description="The focal length, pixels, that the lobes' ranges hold for.")
+    f_ref: Positive = Field(600.0, ge=1e-6, description="The focal length, pixels, that the lobes' ranges hold for.")
     detector: DetectorModel = Field(
         default_factory=_no_statistics,
         description="What is known of the detectors: hit rates, clutter, location noise.",

@@ -8,7 +8,7 @@ only a writer needs, are not required; the writer tells all of them.
 from typing import Annotated, Literal, NotRequired, TypedDict
 
 from geometry.camera_row import CameraRow, Pose
-from geometry.json_shapes import Size
+from geometry.json_shapes import Range, Size
 from plogic.facts.carried_rows import AssetsRow, TypeRow
 from plogic.facts.fact_rows import (
     Chance,
@@ -245,26 +245,26 @@ class CameraDoubtRow(TypedDict):
 class SharesRow(TypedDict):
     """P(dv) by feature type; where dv is over the instances in Δ, that over the types of Σo as well (§5.1)."""
 
-    p_dv: NotRequired[Annotated[dict[Name, float], "P(dv) by feature type."]]
+    p_dv: NotRequired[Annotated[dict[Name, Positive], "P(dv) by feature type."]]
     dv_over: NotRequired[Annotated[DvOver, "What distinctiveness is counted over."]]
     dv_types: NotRequired[
-        Annotated[dict[Name, float], "Distinctiveness over the types of the KB, where it is counted over instances."]
+        Annotated[dict[Name, Positive], "Distinctiveness over the types of the KB, where it is counted over instances."]
     ]
 
 
 class MeasuresRow(SharesRow):
     """dv by feature type, rank by object type."""
 
-    dv: Annotated[dict[Name, float], "Distinctiveness by feature type."]
-    rank: Annotated[dict[Name, float], "Rank by object type."]
+    dv: Annotated[dict[Name, Positive], "Distinctiveness by feature type."]
+    rank: Annotated[dict[Name, Positive], "Rank by object type."]
 
 
 class SensingRow(TypedDict):
     """What holds of the detector."""
 
-    f_ref: Annotated[float, "Focal length that the lobes' ranges hold for, pixels."]
-    match_tolerance: Annotated[float, "How far from its predicted place a feature may be found, pixels."]
-    clutter: Annotated[dict[Name, float], "Appearances of noise per image, by appearance type."]
+    f_ref: Annotated[float, Range(1e-6), "Focal length that the lobes' ranges hold for, pixels."]
+    match_tolerance: Annotated[Positive, "How far from its predicted place a feature may be found, pixels."]
+    clutter: Annotated[dict[Name, Positive], "Appearances of noise per image, by appearance type."]
 
 
 class StepRow(TypedDict):

@@ -31,7 +31,16 @@ from plogic.facts.fact_rows import EvidenceRow, Fact, RelatedRow, StateRow
 from plogic.facts.hypothesis import FeatureFact, Hypothesis, PartFact
 from plogic.facts.pixel_table import table_of
 from plogic.facts.sanity import faults
-from plogic.facts.situation import AppearanceFact, EvidenceFact, LookFact, PairFact, Situation, TypeFact, stopped_in
+from plogic.facts.situation import (
+    OTHERS,
+    AppearanceFact,
+    EvidenceFact,
+    LookFact,
+    PairFact,
+    Situation,
+    TypeFact,
+    stopped_in,
+)
 from plogic.facts.spatial import gravity_facts, gravity_of, overlap_document, space_of
 from plogic.facts.stances import support_of
 
@@ -132,11 +141,16 @@ def type_of(row: TypeRow) -> TypeFact:
     return TypeFact(features, looks=tuple(looks), facets=facets, faces=faces)
 
 
-def _wrong_lobes(document: Interpretation) -> Iterator[Mistake]:
+def _at_odds(document: Interpretation) -> Iterator[Mistake]:
+    """What names another thing of the document that is not there."""
     for name, row in document.get("types", {}).items():
         for i, (feature, look, *_) in enumerate(row["lobes"]):
             if not (feature < len(row["features"]) and look < len(row["looks"])):
                 yield Mistake(("types", name, "lobes", i), f"there is no feature {feature} with look {look}")
+    measures = document["measures"]
+    types = {f["type"] for h in document["hypotheses"] for f in h["features"]} | measures.get("dv_types", {}).keys()
+    for name in sorted(types - measures["dv"].keys() - {OTHERS}):
+        yield Mistake(("measures", "dv"), f"the feature type {name!r} is missing")
 
 
 def _hypothesis(h: HypothesisRow) -> Hypothesis:
@@ -253,7 +267,7 @@ def interpretation_in(document: Document, formats: str = "{}") -> Interpretation
         wrong = [Mistake(("format",), f"should be {formats.format(repr(FORMAT))}")]
         raise InterpretationError(*document.told(wrong))
     interpretation = cast("Interpretation", data)
-    wrong = document.against(Interpretation) or list(_wrong_lobes(interpretation))
+    wrong = document.against(Interpretation) or list(_at_odds(interpretation))
     if wrong:
         raise InterpretationError(*document.told(wrong))
     at_odds = [_numbered(fault, data) for fault in faults(situation_of(interpretation))]

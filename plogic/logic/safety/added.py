@@ -159,6 +159,9 @@ def _idle(source: Source) -> Iterator[tuple[str, Any]]:
 
 
 def _of_evidence(head: Any, body: Any) -> Iterator[str]:  # noqa: ANN401 - terms of ProbLog's
+    if head.signature not in EVIDENCE:
+        yield f"evidence takes one argument, or two, not {head.arity}: evidence(name)."
+        return
     goal, value = head.args[0], str(head.args[-1]) if head.arity == 2 else "true"
     if body is not None:
         yield "evidence has no body: give its condition a name, name :- Body. evidence(name)."
@@ -215,7 +218,7 @@ def _contradictory(source: Source) -> Iterator[Mistake]:
     """Evidence for a literal and against it."""
     said: dict[str, tuple[bool, Any]] = {}
     for head in heads_of(source):
-        if head.signature.startswith("evidence/"):
+        if head.signature in EVIDENCE:
             goal, holds = head.args[0], head.arity == 1 or str(head.args[1]) == "true"
             while getattr(goal, "signature", "") == "\\+/1":
                 goal, holds = goal.args[0], not holds

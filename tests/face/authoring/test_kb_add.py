@@ -41,6 +41,14 @@ def refused(folder, *args):
     return line
 
 
+def test_what_its_reader_logs_is_not_printed(folder, tmp_path):
+    corners = "vertex 0 0 0\nvertex 1 0 0\nvertex 0 1 0\n"
+    normal = "facet normal 0 0 up\nouter loop\n"
+    (tmp_path / "x.stl").write_text(f"solid x\n{normal}{corners}endloop\nendfacet\nendsolid x\n")
+    done = plogic("kb", "add", "x", "--mesh", tmp_path / "x.stl", "--units", "m", "--kb", folder)
+    assert (done.returncode, done.stderr) == (0, "")
+
+
 def test_a_new_kb_is_read_and_told_what_it_lacks(folder):
     assert sorted(bytes_in(folder)) == ["kb.schema.json", "kb.yaml", "object.schema.json", "objects", "rules.pl"]
     assert (folder / "kb.yaml").read_text().startswith('# yaml-language-server: $schema=./kb.schema.json\nname: "kb"\n')
