@@ -15,6 +15,7 @@ from zlib import crc32
 
 from benchmarks.fuzz import seeds
 from benchmarks.fuzz.mutators import as_archive, as_bytes, as_glb, as_json, as_png, as_text, as_xml
+from benchmarks.fuzz.shaped import ShapedAs
 from geometry.errors import PlogicError
 
 if TYPE_CHECKING:
@@ -321,12 +322,36 @@ def _kinds() -> list[Kind]:
         Kind("points-csv", as_text, seeds.point_rows, "points.csv", _points),
     ]
     carried = [
-        Kind("gamma", as_json, partial(seeds.example, "gamma.json"), "gamma.json", _gamma),
-        Kind("poses", as_json, partial(seeds.example, "poses.json"), "poses.json", _poses),
+        Kind(
+            "gamma",
+            ShapedAs("sensing.files.gamma_files", "GammaRow"),
+            partial(seeds.example, "gamma.json"),
+            "gamma.json",
+            _gamma,
+        ),
+        Kind(
+            "poses",
+            ShapedAs("geometry.files.pose_files", "PosesRow"),
+            partial(seeds.example, "poses.json"),
+            "poses.json",
+            _poses,
+        ),
         Kind("poses-tum", as_text, seeds.trajectory, "poses.txt", _poses),
-        Kind("moves", as_json, seeds.moves, "moves.json", _moves),
-        Kind("stereo", as_json, partial(seeds.example, "stereo.json"), "stereo.json", _stereo),
-        Kind("truth", as_json, partial(seeds.example, "truth.json"), "truth.json", _truth),
+        Kind("moves", ShapedAs("geometry.files.pose_files", "MovesRow"), seeds.moves, "moves.json", _moves),
+        Kind(
+            "stereo",
+            ShapedAs("sensing.files.stereo", "StereoRow"),
+            partial(seeds.example, "stereo.json"),
+            "stereo.json",
+            _stereo,
+        ),
+        Kind(
+            "truth",
+            ShapedAs("plogic.facts.document", "TruthRow"),
+            partial(seeds.example, "truth.json"),
+            "truth.json",
+            _truth,
+        ),
         Kind("stream", as_bytes, seeds.streams, "stream", _stream),
         Kind("batch-log", as_json, seeds.log, "log.jsonl", _log),
     ]
@@ -354,18 +379,16 @@ def _kinds() -> list[Kind]:
     asked = [
         Kind(
             f"interpretation-{name}",
-            as_json,
+            ShapedAs("plogic.facts.document", "Interpretation"),
             partial(seeds.example, "interpretation.json"),
             "i.json",
             partial(_asked, words),
         )
         for name, words in ASKED.items()
     ]
-    asked += [
-        Kind(
-            "panorama", as_json, partial(seeds.example, "panorama.json"), "p.json", partial(_asked, ASKED["next-view"])
-        )
-    ]
+    panorama = ShapedAs("plogic.sequence.constancy.panorama_reading", "Panorama")
+    seed, next_view = partial(seeds.example, "panorama.json"), partial(_asked, ASKED["next-view"])
+    asked += [Kind("panorama", panorama, seed, "p.json", next_view)]
     return [*pictures, *cameras, *meshes, *authored, *carried, *logic, *foreign, *asked]
 
 
