@@ -11,6 +11,7 @@ from geometry.errors import Mistake
 from geometry.json_shapes import (
     ANY_NUMBER,
     ANY_SIZE,
+    WHOLE,
     Lengths,
     Parts,
     Range,
@@ -81,6 +82,8 @@ def _number(span: Range, *, whole: bool) -> Check:
 
     def check(value: object) -> Sequence[Mistake]:
         found = type(value)
+        if whole and found is int and abs(value) > WHOLE:  # type: ignore[arg-type]
+            return [Mistake((), f"{shown(value)} is a whole number beyond {WHOLE}")]
         if (found is int or (found is float and not whole)) and low <= value <= high and not (above and value == low):  # type: ignore[operator]
             return NONE
         return [Mistake((), f"{shown(value)} {rule}")]

@@ -93,6 +93,7 @@ def commands() -> list[Command]:
         ("kb.yaml", ("kb", "check", "{kb}")),
         ("object.yaml", ("kb", "show", "{kb}")),
         ("rules.pl", ("kb", "check", "{kb}")),
+        *((file, ("perceive", "gamma.json", "--kb", "{kb}", "--deadline", "5")) for file in ("kb.yaml", "object.yaml", "rules.pl")),
         ("poses", ("perceive", "gamma.json", "gamma.json", *first, "--poses", "{}")),
         ("poses-tum", ("perceive", "gamma.json", "gamma.json", *first, "--poses", "{}")),
         ("stereo", ("perceive", "gamma.json", "gamma.json", *first, "--stereo", "{}")),

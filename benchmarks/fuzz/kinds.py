@@ -6,6 +6,7 @@
 from __future__ import annotations
 
 import shutil
+import tempfile
 from contextlib import redirect_stderr, redirect_stdout
 from dataclasses import dataclass
 from functools import cache, partial
@@ -78,7 +79,21 @@ def _camera(path: Path) -> None:
 def _kb(path: Path) -> None:
     from plogic.run.sources import kb_of
 
-    kb_of(str(next(above for above in path.parents if (above / "kb.yaml").exists())))
+    kb_of(str(_above(path)))
+
+
+def _above(path: Path) -> Path:
+    return next(above for above in path.parents if (above / "kb.yaml").exists())
+
+
+def _kb_used(path: Path) -> None:
+    """As ``kb check`` reads it; with one in six that are accepted a scene is perceived, and one is made."""
+    _kb(path)
+    kb = str(_above(path))
+    if crc32(path.read_bytes()) % 6 == 0:
+        command(path, "perceive", str(seeds.EXAMPLES / "first_gamma.json"), "--kb", kb, "--deadline", "5")
+        with tempfile.TemporaryDirectory() as folder:
+            command(path, "simulate", "--kb", kb, "--gamma", "-o", f"{folder}/made")
 
 
 def _mesh(path: Path) -> None:
@@ -307,13 +322,13 @@ def _kinds() -> list[Kind]:
     ]  # fmt: skip
     first = partial(_in_kb, "first")
     authored = [
-        Kind("kb.yaml", as_text, partial(seeds.shipped, "first/kb.yaml"), "kb.yaml", _kb, first),
+        Kind("kb.yaml", as_text, partial(seeds.shipped, "first/kb.yaml"), "kb.yaml", _kb_used, first),
         Kind(
             "object.yaml",
             as_text,
             partial(seeds.shipped, "first/objects/box/object.yaml"),
             "objects/box/object.yaml",
-            _kb,
+            _kb_used,
             first,
         ),
         Kind("rules.pl", as_text, seeds.rules, "rules.pl", _kb, first),

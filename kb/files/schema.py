@@ -20,6 +20,7 @@ from kb.files.values import (
     Name,
     Odds,
     Pair,
+    Pixels,
     Place,
     Positive,
     PositiveLength,
@@ -202,15 +203,15 @@ class DetectorModel(Model):
     clutter: dict[Name, Positive] = Field(
         {}, description="Appearances of noise per image and appearance type; by P(dv), 1 on the average."
     )
-    sigma: Positive = Field(1.0, description="Location noise, pixels.")
-    sigmas: dict[Name, Positive] = Field(
+    sigma: Pixels = Field(1.0, description="Location noise, pixels.")
+    sigmas: dict[Name, Pixels] = Field(
         {}, description="Location noise per feature type, pixels, where it is not sigma."
     )
     sigma_angle: HalfAngle | None = Field(
         None,
         description="Noise of a datum's angle, which is how its feature's x axis lies on the screen; left out, angles say nothing.",
     )
-    match_tolerance: Positive = Field(
+    match_tolerance: Pixels = Field(
         4.0, description="How far from its predicted place a feature may be found, px (D8)."
     )
 
@@ -296,7 +297,7 @@ class KBModel(Model):
 
     name: Name = Field(description="The knowledge base's name.")
     appearance_types: list[Name] = Field(description="The vocabulary of appearance types, which detectors report.")
-    f_ref: Positive = Field(600.0, ge=1e-6, description="The focal length, pixels, that the lobes' ranges hold for.")
+    f_ref: Pixels = Field(600.0, description="The focal length, pixels, that the lobes' ranges hold for.")
     detector: DetectorModel = Field(
         default_factory=_no_statistics,
         description="What is known of the detectors: hit rates, clutter, location noise.",

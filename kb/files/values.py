@@ -219,6 +219,11 @@ Odds = Annotated[
 Length = Annotated[float, BeforeValidator(length), _shape("a length", "75 cm")]
 PositiveLength = Annotated[float, BeforeValidator(_wide), _shape("a length above 0", "3 cm")]
 Positive = Annotated[float, _number_that(lambda x: x > 0, "above 0"), WithJsonSchema(_OPEN)]
+Pixels = Annotated[
+    float,
+    _number_that(lambda x: 1e-6 <= x <= 1e9, "from 1e-6 to 1e9"),
+    WithJsonSchema({"type": "number", "minimum": 1e-6, "maximum": 1e9}),
+]
 Flag = Annotated[bool, _value_that(lambda x: isinstance(x, bool), "true or false")]
 Fold = Annotated[
     int,

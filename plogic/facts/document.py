@@ -19,6 +19,7 @@ from plogic.facts.fact_rows import (
     Name,
     Pair,
     PixelKeys,
+    Pixels,
     Point2,
     Point3,
     Positive,
@@ -154,7 +155,9 @@ class Verdict(PixelKeys):
         Annotated[float, "Natural logarithm of how many times more probable the data are with it than without."]
     ]
     support: NotRequired[Annotated[dict[Name, Cells], "The four cells by feature type."]]
-    outline: NotRequired[Annotated[list[list[Point2]], "Polygons of its outline, pixels."]]
+    outline: NotRequired[
+        Annotated[list[Annotated[list[Point2], Size(1, 1_000_000)]], "Polygons of its outline, pixels."]
+    ]
     probability: NotRequired[Annotated[Slightly, "Probability that it is present."]]
     interval: NotRequired[Annotated[Interval, "Bounds of the probability, where a deadline left something open."]]
 
@@ -262,8 +265,8 @@ class MeasuresRow(SharesRow):
 class SensingRow(TypedDict):
     """What holds of the detector."""
 
-    f_ref: Annotated[float, Range(1e-6), "Focal length that the lobes' ranges hold for, pixels."]
-    match_tolerance: Annotated[Positive, "How far from its predicted place a feature may be found, pixels."]
+    f_ref: Annotated[float, Range(1e-6, 1e9), "Focal length that the lobes' ranges hold for, pixels."]
+    match_tolerance: Annotated[Pixels, "How far from its predicted place a feature may be found, pixels."]
     clutter: Annotated[dict[Name, Positive], "Appearances of noise per image, by appearance type."]
 
 

@@ -10,6 +10,7 @@ Chance = Annotated[float, Range(0.0, 1.0)]
 Slightly = Annotated[float, Range(-1e-6, 1.0 + 1e-6)]
 """A probability as floating-point sums come to it."""
 Positive = Annotated[float, Range(0.0)]
+Pixels = Annotated[float, Range(0.0, 1e9)]
 Count = Annotated[int, Range(0)]
 Point2 = Annotated[list[float], Size(2)]
 Point3 = Annotated[list[float], Size(3)]
