@@ -106,7 +106,7 @@ class Rule(str):
 
 ANY_SIZE, ANY_NUMBER = Size(0, 10_000_000), Range()
 WHOLE = 1 << 53
-"""No whole number is larger, either way. Beyond, programs do not agree on them (RFC 8259 §6), nor do arrays hold all."""
+"""No whole number is larger, either way: programs differ on those beyond (RFC 8259 §6), arrays may not hold them."""
 
 
 class Parts(NamedTuple):
