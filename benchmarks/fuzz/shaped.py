@@ -9,12 +9,13 @@ from __future__ import annotations
 
 import json
 from dataclasses import dataclass
+from functools import cache
 from importlib import import_module
 from types import NoneType
 from typing import TYPE_CHECKING, Any, Literal, get_args, get_origin, is_typeddict
 
 from benchmarks.fuzz.mutators import CHANGES, LONGEST, MANY, TEXTS, as_json
-from geometry.json_shapes import ANY_NUMBER, Lengths, Range, Row, Size, options_of, parts_of
+from geometry.json_shapes import ANY_NUMBER, Lengths, Parts, Range, Row, Size, options_of, parts_of
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence
@@ -64,13 +65,19 @@ def _change(tree: Any, shape: Any, rng: Random) -> None:  # noqa: ANN401 - JSON
         holder[key] = made
 
 
+@cache
+def _taken_apart(shape: Any) -> tuple[tuple[Any, ...], Parts, Row | None]:  # noqa: ANN401 - a type
+    """Its options, its parts, and of these the row."""
+    parts = parts_of(shape)
+    return options_of(shape), parts, parts.bound(Row)
+
+
 def _places(tree: Any, shape: Any) -> Iterator[Place]:  # noqa: ANN401 - JSON
     """Where something stands in a document, or may stand, as far as it has the shape."""
     todo = [(tree, shape)]
     while todo:
         at, wanted = todo.pop()
-        parts, row = parts_of(wanted), parts_of(wanted).bound(Row)
-        options = options_of(wanted)
+        options, parts, row = _taken_apart(wanted)
         if options:
             todo += [(at, option) for option in options]
         elif isinstance(at, dict) and is_typeddict(parts.of):
@@ -112,8 +119,8 @@ class _Maker:
 
     def made(self, shape: Any, deep: int) -> Any:  # noqa: ANN401 - JSON
         """A value of the shape."""
-        options, parts = options_of(shape), parts_of(shape)
-        of, row = parts.of, parts.bound(Row)
+        options, parts, row = _taken_apart(shape)
+        of = parts.of
         if options:
             return self.made(self.rng.choice(options), deep)
         if row is not None or get_origin(of) is list:
