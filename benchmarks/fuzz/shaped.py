@@ -1,4 +1,4 @@
-"""Changes to a document that keep its shape: what passes the first checks reaches those after them.
+"""Changes to a document that mostly keep its shape: what passes the first checks reaches those after them.
 
 ``ShapedAs("plogic.facts.document", "Interpretation")`` is a mutator: it adds keys that a document may have, and
 elements of its lists, and puts other values of their shape in the place of some; then it changes half of the documents
@@ -11,11 +11,25 @@ import json
 from dataclasses import dataclass
 from functools import cache
 from importlib import import_module
+from math import cos, pi, sin
 from types import NoneType
 from typing import TYPE_CHECKING, Any, Literal, get_args, get_origin, is_typeddict
 
 from benchmarks.fuzz.mutators import CHANGES, LONGEST, MANY, TEXTS, as_json
-from geometry.json_shapes import ANY_NUMBER, Lengths, Parts, Range, Row, Size, options_of, parts_of
+from geometry.camera_row import RIGID
+from geometry.json_shapes import (
+    ANY_NUMBER,
+    ANY_SIZE,
+    WHOLE,
+    Lengths,
+    Parts,
+    Range,
+    Row,
+    Rule,
+    Size,
+    options_of,
+    parts_of,
+)
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence
@@ -45,14 +59,19 @@ class ShapedAs:
             tree = json.loads(data)
         except (ValueError, RecursionError):
             return as_json(data, rng, pool)
-        shape = getattr(import_module(self.module), self.name)
+        shape = self.shape()
         for _ in range(rng.choice(CHANGES)):
-            _change(tree, shape, rng)
+            change(tree, shape, rng)
         text = json.dumps(tree).encode()[: 10 * LONGEST]
         return as_json(text, rng, pool) if rng.randrange(2) else text
 
+    def shape(self) -> Any:  # noqa: ANN401 - a type
+        """The shape itself."""
+        return getattr(import_module(self.module), self.name)
 
-def _change(tree: Any, shape: Any, rng: Random) -> None:  # noqa: ANN401 - JSON
+
+def change(tree: Any, shape: Any, rng: Random) -> None:  # noqa: ANN401 - JSON
+    """One change, in the tree itself."""
     places = [place for place in _places(tree, shape) if place[1] != PROGRAM][:MANY]
     if not places:
         return
@@ -60,7 +79,7 @@ def _change(tree: Any, shape: Any, rng: Random) -> None:  # noqa: ANN401 - JSON
     holder, key, of = rng.choice(new if new and rng.randrange(2) else places)
     made = _Maker(rng, sorted(_texts(tree))).made(of, DEEP // 2)
     if isinstance(holder, list):
-        holder[key : key + rng.randrange(2)] = [made]
+        holder[key : key + 1] = [made]  # or at its end, where there may be one more
     else:
         holder[key] = made
 
@@ -78,6 +97,8 @@ def _places(tree: Any, shape: Any) -> Iterator[Place]:  # noqa: ANN401 - JSON
     while todo:
         at, wanted = todo.pop()
         options, parts, row = _taken_apart(wanted)
+        if parts.bound(Rule) == RIGID:
+            continue  # a pose is another as a whole
         if options:
             todo += [(at, option) for option in options]
         elif isinstance(at, dict) and is_typeddict(parts.of):
@@ -92,7 +113,9 @@ def _places(tree: Any, shape: Any) -> Iterator[Place]:  # noqa: ANN401 - JSON
             yield from ((at, i, of) for i, of in zip(range(len(at)), row, strict=False))
         elif isinstance(at, list) and get_origin(parts.of) is list:
             of = get_args(parts.of)[0]
-            yield from ((at, i, of) for i in range(len(at) + 1))
+            yield from (
+                (at, i, of) for i in range(len(at) + parts.bound((Size, Lengths), ANY_SIZE).admits(len(at) + 1))
+            )
             todo += [(each, of) for each in at]
 
 
@@ -121,6 +144,8 @@ class _Maker:
         """A value of the shape."""
         options, parts, row = _taken_apart(shape)
         of = parts.of
+        if parts.bound(Rule) == RIGID:
+            return self._pose()
         if options:
             return self.made(self.rng.choice(options), deep)
         if row is not None or get_origin(of) is list:
@@ -148,10 +173,23 @@ class _Maker:
         return self.rng.choice(self.texts if self.texts and self.rng.randrange(4) else TEXTS)
 
     def _number(self, within: Range, *, whole: bool) -> float:
-        ends = [end for end in (within.low, within.high) if abs(end) < ANY_NUMBER.high]
-        value = self.rng.choice((*PLAIN, *ends, self.rng.random()))
-        value = min(max(value, within.low), within.high)
-        return int(value) if whole else value
+        low, high = within.low if not within.open_low else max(within.low, 1e-9), within.high
+        ends = [end for end in (low, high) if abs(end) < ANY_NUMBER.high]
+        value = min(max(self.rng.choice((*PLAIN, *ends, self.rng.random())), low), high)
+        return int(min(max(value, -WHOLE), WHOLE)) if whole else value
+
+    def _pose(self) -> list[list[float]]:
+        """A turn about an axis of the frame, and a place."""
+        angle, axis = self.rng.choice((0.0, pi, self.rng.random())), self.rng.randrange(3)
+        rows = [[float(i == j) for j in range(3)] + [float(self.rng.choice(PLAIN))] for i in range(3)]
+        one, other = (axis + 1) % 3, (axis + 2) % 3
+        rows[one][one], rows[one][other], rows[other][one], rows[other][other] = (
+            cos(angle),
+            -sin(angle),
+            sin(angle),
+            cos(angle),
+        )
+        return [*rows, [0.0, 0.0, 0.0, 1.0]]
 
     def _length(self, size: Size | Lengths | None) -> int:
         least, most = (0, 3) if size is None else size.ends()

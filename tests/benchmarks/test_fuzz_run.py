@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+import json
 import os
 import warnings
 from itertools import islice
+from random import Random
 from typing import TYPE_CHECKING
 
 import pytest
@@ -14,7 +16,9 @@ from benchmarks.fuzz.bench import Plan, attack, kept
 from benchmarks.fuzz.console import commands, fault_of
 from benchmarks.fuzz.kinds import Kind, kinds
 from benchmarks.fuzz.mutators import as_bytes
+from benchmarks.fuzz.shaped import change
 from benchmarks.fuzz.worker import inputs, outcome
+from geometry.json_checks import check_of
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -100,3 +104,18 @@ def test_what_is_wrong_with_a_run(tmp_path, status, said, printed, why):
 def test_every_kind_is_read_by_some_command():
     read = {command.kind for command in commands()}
     assert set(KINDS) - read == {"camera-opencv-json", "cloud", "points", "points-csv"}
+
+
+@pytest.mark.parametrize("name", ["gamma", "poses", "stereo", "truth", "panorama", "interpretation-query"])
+def test_changes_within_a_shape_mostly_keep_it(name):
+    kind = KINDS[name]
+    shape = kind.mutate.shape()
+    kept, texts = 0, set[str]()
+    for seed in range(100):
+        tree = json.loads(kind.seeds()[0])
+        for _ in range(3):
+            change(tree, shape, Random(seed))
+        kept += not check_of(shape)(tree)
+        texts.add(json.dumps(tree))
+    assert kept >= 90
+    assert len(texts) >= 90
