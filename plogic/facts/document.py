@@ -75,7 +75,10 @@ class SeenRow(StandsKey, LearnedKey):
 
     id: Annotated[Name, "The feature's name, with the parts that it is in: `roof/apex`."]
     type: Annotated[Name, "Its feature type."]
-    uv: Annotated[Point2, "Its predicted place in the image, pixels."]
+    uv: Annotated[
+        Point2 | None,
+        "Its predicted place in the image, pixels; null: it has none, behind the camera or past the lens' fold.",
+    ]
     in_image: Annotated[bool, "Whether that lies in the image."]
     in_lobe: Annotated[bool, "Whether the camera is where the feature can be seen from."]
     self_hidden: Annotated[bool, "Whether its own object hides it."]

@@ -7,6 +7,7 @@ are inverse on everything that decides a probability (tested). A file is held to
 
 import json
 from collections.abc import Iterator, Mapping, Sequence
+from math import isnan, nan
 from pathlib import Path
 from typing import TYPE_CHECKING, Final, cast
 
@@ -147,8 +148,16 @@ def _at_odds(document: Interpretation) -> Iterator[Mistake]:
         for i, (feature, look, *_) in enumerate(row["lobes"]):
             if not (feature < len(row["features"]) and look < len(row["looks"])):
                 yield Mistake(("types", name, "lobes", i), f"there is no feature {feature} with look {look}")
+    for i, h in enumerate(document["hypotheses"]):
+        nowhere = [(j, f) for j, f in enumerate(h["features"]) if f["uv"] is None]
+        wrong = [j for j, f in nowhere if f["in_image"] or f["match"] is not None or f.get("case") is not None]
+        yield from (
+            Mistake(("hypotheses", i, "features", j, "uv"), "is null, of a feature that is in the image, or matched")
+            for j in wrong
+        )
     measures = document["measures"]
-    types = {f["type"] for h in document["hypotheses"] for f in h["features"]} | measures.get("dv_types", {}).keys()
+    posed = [h for h in document["hypotheses"] if h["status"] != "rejected"]
+    types = {f["type"] for h in posed for f in h["features"]} | measures.get("dv_types", {}).keys()
     for name in sorted(types - measures["dv"].keys() - {OTHERS}):
         yield Mistake(("measures", "dv"), f"the feature type {name!r} is missing")
 
@@ -170,7 +179,7 @@ def _hypothesis(h: HypothesisRow) -> Hypothesis:
 
 def _feature(f: FeatureRow) -> FeatureFact:
     x, y, z = f["at"]
-    u, v = f["uv"]
+    u, v = f["uv"] or (nan, nan)
     return FeatureFact(
         id=f["id"],
         type=f["type"],
@@ -229,7 +238,7 @@ def _feature_document(f: FeatureFact, expected: bool, detected: bool, case: Case
         "id": f.id,
         "type": f.type,
         "at": list(f.at),
-        "uv": list(f.uv),
+        "uv": None if isnan(f.uv[0]) else list(f.uv),
         "dv": f.dv,
         "in_image": f.in_image,
         "in_lobe": f.in_lobe,

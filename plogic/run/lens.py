@@ -57,7 +57,7 @@ def _matches(h: HypothesisRow, document: Interpretation) -> tuple[Floats, Floats
         (f["at"], seen[f["match"]])
         for f in h["features"]
         if f["match"] is not None and f["residual"] is not None
-        if abs(dist(f["uv"], seen[f["match"]]) - f["residual"]) < SIDE
+        if f["uv"] is not None and abs(dist(f["uv"], seen[f["match"]]) - f["residual"]) < SIDE
     ]
     places, data = (np.array([pair[k] for pair in pairs], np.float64).reshape(-1, 3 - k) for k in (0, 1))
     return transform_points(inverse(np.array(h["T_camera_object"])), places), data

@@ -19,6 +19,7 @@ from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
 from functools import partial
+from typing import cast
 
 import cv2
 import numpy as np
@@ -158,7 +159,7 @@ def _draw_labels(pencil: Pencil, accepted: list[HypothesisRow], size: tuple[int,
 
 def _places(h: HypothesisRow) -> list[list[float]]:
     """Places of the outline, or of the features of what has none."""
-    return [p for ring in h.get("outline", []) for p in ring] or [f["uv"] for f in h.get("features", [])]
+    return [p for ring in h.get("outline", []) for p in ring] or [uv for f in h.get("features", []) if (uv := f["uv"])]
 
 
 def crowded(document: Interpretation) -> bool:
@@ -197,6 +198,11 @@ def sides_of(document: Interpretation) -> Sides:
     return Sides({a["id"]: a["angle"] for a in rows}, frozenset(a["type"] for a in rows))
 
 
+def spot(feature: FeatureRow) -> list[float]:
+    """The place of a feature with a case, which is in the image."""
+    return cast("list[float]", feature["uv"])
+
+
 def draw_dots(pencil: Pencil, accepted: list[HypothesisRow], sides: Sides) -> None:
     """A mark for each feature by its case, pale where they are hundreds."""
     marks = [
@@ -214,11 +220,11 @@ def draw_dots(pencil: Pencil, accepted: list[HypothesisRow], sides: Sides) -> No
 def _draw_small(pencil: Pencil, f: FeatureRow, colour: Colour, sides: Sides) -> None:
     case, match = sides.case(f), f["match"]
     if case == "A" and match is not None:
-        pencil.side(f["uv"], sides.angle[match], colour)
+        pencil.side(spot(f), sides.angle[match], colour)
     elif case == "C":
-        pencil.cross(f["uv"], colour)
+        pencil.cross(spot(f), colour)
     else:
-        pencil.dot(f["uv"], colour, circle=bool(f["expected"]), filled=f["case"] == "A")
+        pencil.dot(spot(f), colour, circle=bool(f["expected"]), filled=f["case"] == "A")
 
 
 def bgr(colour: str) -> Colour:
@@ -247,7 +253,7 @@ def _draw_edges(pencil: Pencil, accepted: list[HypothesisRow], document: Interpr
 
 def _draw_marks(pencil: Pencil, marks: list[tuple[FeatureRow, int]]) -> None:
     for f, i in sorted(marks, key=lambda mark: "BDAC".index(mark[0]["case"] or "B")):  # what speaks loudest comes last
-        pencil.feature(f["uv"], colour_of(i), circle=bool(f["expected"]), filled=bool(f["detected"]))
+        pencil.feature(spot(f), colour_of(i), circle=bool(f["expected"]), filled=bool(f["detected"]))
 
 
 @contextmanager
@@ -265,12 +271,12 @@ def _draw_names(pencil: Pencil, accepted: list[HypothesisRow], signs: list[list[
     for i, h in enumerate(accepted):
         _write_name(pencil, h, i, taken)
     taken += [
-        pencil.mark_box(f["uv"]) for h in accepted for f in h.get("features", []) if f.get("case") in ("A", "C", "D")
+        pencil.mark_box(spot(f)) for h in accepted for f in h.get("features", []) if f.get("case") in ("A", "C", "D")
     ]
     taken += [pencil.mark_box(uv) for uv in signs]
     for i, h in enumerate(accepted):
         for f in _notable(h.get("features", [])):
-            _write(pencil, f["id"].rsplit("/", 1)[-1], tuple(f["uv"]), colour_of(i), (taken, 0.55, False))
+            _write(pencil, f["id"].rsplit("/", 1)[-1], tuple(spot(f)), colour_of(i), (taken, 0.55, False))
 
 
 def _write_name(pencil: Pencil, h: HypothesisRow, i: int, taken: list[Box]) -> None:
