@@ -1,4 +1,4 @@
-"""A type that reaches behind the camera: what of it has no place in the image is told, drawn and asked like the rest."""
+"""A type that reaches behind the camera: what of it has no place in the image is told, drawn and asked, too."""
 
 from __future__ import annotations
 
@@ -37,7 +37,9 @@ def test_its_place_is_null(folder):
     assert (far["uv"], far["in_image"], far["match"], far["case"]) == (None, False, None, None)
 
 
-@pytest.mark.parametrize("command", [("worlds",), ("query", "expected(h1, far)"), ("explain", "present(h1)"), ("measures",)])
+@pytest.mark.parametrize(
+    "command", [("worlds",), ("query", "expected(h1, far)"), ("explain", "present(h1)"), ("measures",)]
+)
 def test_the_rest_is_asked_as_ever(command, folder):
     good(command[0], folder / "i.json", *command[1:])
 
