@@ -87,13 +87,14 @@ def _above(path: Path) -> Path:
 
 
 def _kb_used(path: Path) -> None:
-    """As ``kb check`` reads it; with one in six that are accepted a scene is perceived, and one is made."""
+    """As ``kb check`` reads it; one in six that are accepted is shown, perceived with, and a scene is made of it."""
     _kb(path)
     kb = str(_above(path))
     if crc32(path.read_bytes()) % 6 == 0:
         command(path, "perceive", str(seeds.EXAMPLES / "first_gamma.json"), "--kb", kb, "--deadline", "5")
         with tempfile.TemporaryDirectory() as folder:
             command(path, "simulate", "--kb", kb, "--gamma", "-o", f"{folder}/made")
+            command(path, "kb", "show", kb, "--html", f"{folder}/page.html")
 
 
 def _mesh(path: Path) -> None:

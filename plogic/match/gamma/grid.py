@@ -63,15 +63,12 @@ class Grid:
         """
         turns, down, across = self.shape
         reach = np.broadcast_to(np.asarray(reach, float), len(uv))
-        low, high = (np.floor((uv + HALF + side * reach[:, None]) / CELL).astype(np.intp) for side in (-1.0, 1.0))
-        rows = low[:, 1, None] + np.arange(int((high[:, 1] - low[:, 1]).max(initial=-1)) + 1)
-        inside = (
-            (rows >= 0)
-            & (rows < down)
-            & (rows <= high[:, 1, None])
-            & (high[:, 0, None] >= 0)
-            & (low[:, 0, None] < across)
+        ends = (np.floor((uv + HALF + side * reach[:, None]) / CELL) for side in (-1.0, 1.0))
+        low, high = (
+            np.clip(end, i, (across + i, down + i)).astype(np.intp) for i, end in zip((0, -1), ends, strict=True)
         )
+        rows = low[:, 1, None] + np.arange(int((high[:, 1] - low[:, 1]).max(initial=-1)) + 1)
+        inside = (rows <= high[:, 1, None]) & (high[:, 0, None] >= 0) & (low[:, 0, None] < across)
         place, row = np.nonzero(inside)
         row = rows[place, row]
         left, right = np.clip(low[place, 0], 0, across - 1), np.clip(high[place, 0], 0, across - 1)
