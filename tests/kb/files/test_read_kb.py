@@ -195,7 +195,7 @@ KB_MISTAKES = {
         "[apex, corner, apex]",
         "2:34: appearance_types.2: 'apex' was listed before",
     ),
-    "focal length": ("f_ref: 600", "f_ref: 0", "3:8: f_ref: must be above 0, not 0"),
+    "focal length": ("f_ref: 600", "f_ref: 0", "3:8: f_ref: must be from 1e-6 to 1e9, not 0"),
     "focal length NaN": ("f_ref: 600", "f_ref: .NaN", "3:8: f_ref: must be finite, not .NaN"),
     "unknown feature type": (
         "hit: {apex",
