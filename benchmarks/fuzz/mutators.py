@@ -14,6 +14,9 @@ import zipfile
 import zlib
 from typing import TYPE_CHECKING, Any
 
+from ruamel.yaml import YAML
+from ruamel.yaml.error import YAMLError
+
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
     from random import Random
@@ -69,6 +72,29 @@ def as_bytes(data: bytes, rng: Random, pool: Sequence[bytes]) -> bytes:
     return bytes(out[: 4 * LONGEST])
 
 
+WORDS = (
+    ("e", (0.0, -0.0, 1.0, 65504.0, float("inf"), float("nan"))),
+    ("f", (0.0, -1.0, 1e-38, 3e38, float("inf"), float("nan"))),
+    ("d", (0.0, -1.0, 1e-9, 1e9, 1e308, 5e-324, float("inf"), float("nan"))),
+    ("i", (0, 1, -1, 2**31 - 1, -(2**31), 65_536)),
+    ("q", (0, 1, -1, 2**31, 2**53, 2**63 - 1, -(2**63))),
+)
+"""Numbers of 2, 4 and 8 bytes, by their codes of ``struct``."""
+
+
+def as_numbers(data: bytes, rng: Random, pool: Sequence[bytes]) -> bytes:
+    """One to eight numbers in their places, which leaves the length; now and then, as bytes."""
+    if len(data) < 8 or rng.randrange(4) == 0:
+        return as_bytes(data, rng, pool)
+    out = bytearray(data)
+    for _ in range(rng.choice(CHANGES)):
+        code, numbers = rng.choice(WORDS)
+        size = struct.calcsize(code)
+        at = rng.randrange(len(out) // size) * size + len(out) % size * rng.randrange(2)  # counted from either end
+        struct.pack_into(f"<{code}", out, min(at, len(out) - size), rng.choice(numbers))
+    return bytes(out)
+
+
 # -- trees -------------------------------------------------------------------------------------------------------------
 
 
@@ -92,6 +118,28 @@ def as_json(data: bytes, rng: Random, pool: Sequence[bytes]) -> bytes:
         return _dumped(tree).encode("utf-8", "surrogatepass")[: 10 * LONGEST]
     except RecursionError:  # what is that deep is tried as a text
         return as_text(data, rng, pool)
+
+
+def as_log(data: bytes, rng: Random, pool: Sequence[bytes]) -> bytes:
+    """One line of a log as JSON, with the head that a line has; now and then, all as a text."""
+    lines = data.splitlines(keepends=True)
+    if not lines or rng.randrange(8) == 0:
+        return as_text(data, rng, pool)
+    at = rng.randrange(len(lines))
+    line = as_json(lines[at], rng, pool).replace(b'{"format": ', b'{"format":', 1) + b"\n"
+    lines[at : at + rng.randrange(2)] = [line] * rng.choice((1, 1, 1, 2))
+    return b"".join(lines)
+
+
+def as_yaml(data: bytes, rng: Random, pool: Sequence[bytes]) -> bytes:
+    """As JSON, which is YAML as well, or as a text."""
+    if rng.randrange(2) or len(data) > LONGEST // 10:
+        return as_text(data, rng, pool)
+    try:
+        text = json.dumps(YAML(typ="safe").load(data))
+    except (YAMLError, ValueError, TypeError, RecursionError):
+        return as_text(data, rng, pool)
+    return as_json(text.encode(), rng, pool)
 
 
 def changed(tree: Any, rng: Random) -> Any:  # noqa: ANN401 - JSON
@@ -262,6 +310,10 @@ def _repacked(body: bytes, rng: Random, pool: Sequence[bytes]) -> bytes:
         return body
 
 
+HEADER = 128
+"""Bytes before an array's numbers."""
+
+
 def as_archive(data: bytes, rng: Random, pool: Sequence[bytes]) -> bytes:
     """One member of a ZIP changed, gone, doubled or renamed, the table right; now and then, the bytes."""
     try:
@@ -284,9 +336,11 @@ def as_archive(data: bytes, rng: Random, pool: Sequence[bytes]) -> bytes:
     name, body = members[place]
     head = rng.randrange(3)
     if head == 0:  # the head of an array tells its type and shape as text
-        end = min(len(body), 128)
+        end = min(len(body), HEADER)
         body = as_text(body[10:end], rng, [body[10:end]])
         body = members[place][1][:8] + struct.pack("<H", len(body) & 0xFFFF) + body + members[place][1][end:]
+    elif head == 1 and len(body) > HEADER:
+        body = body[:HEADER] + as_numbers(body[HEADER:], rng, [body])
     else:
         body = as_bytes(body, rng, pool)
     members[place : place + 1] = rng.choice(
