@@ -11,7 +11,7 @@ import hashlib
 import os
 import sys
 import tempfile
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from multiprocessing import Pipe, RawValue
 from multiprocessing.connection import wait
 from pathlib import Path
@@ -176,7 +176,7 @@ def warm(chosen: Sequence[Kind]) -> None:
             path = place_for(kind, Path(folder) / kind.name)
             for data in kind.seeds():
                 path.write_bytes(data)
-                outcome(kind, path, data)
+                outcome(replace(kind, every=1), path, data)
 
 
 def _progress(tallies: Sequence[Tally], count: int, shown: int, say: Callable[[str], None]) -> int:

@@ -41,7 +41,7 @@ class Kind:
     """One kind of input.
 
     ``mutate`` changes one of the good ones, ``seeds``; the result is written to ``file``, below a folder that
-    ``beside`` has filled, and handed to ``read``.
+    ``beside`` has filled, and handed to ``read``; one in ``every`` that is accepted also to ``use``, which is slow.
     """
 
     name: str
@@ -50,6 +50,8 @@ class Kind:
     file: str
     read: Callable[[Path], object]
     beside: Callable[[Path], None] = nothing
+    use: Callable[[Path], object] = nothing
+    every: int = 1
 
 
 def _in_kb(name: str, folder: Path) -> None:
@@ -101,21 +103,32 @@ def _kinds() -> list[Kind]:
         )
     ]
     meshes = [
-        Kind(f"mesh-{name}", mutate, partial(seeds.meshes, name), f"mesh.{name}", readers.mesh)
+        Kind(f"mesh-{name}", mutate, partial(seeds.meshes, name), f"mesh.{name}", readers.mesh, nothing, readers.mesh_used, 25)
         for name, mutate in (
             ("obj", as_text), ("ply", as_text), ("stl", as_numbers), ("off", as_text), ("gltf", as_json), ("glb", as_glb),
         )
     ]  # fmt: skip
     first = partial(_in_kb, "first")
     authored = [
-        Kind("kb.yaml", as_yaml, partial(seeds.shipped, "first/kb.yaml"), "kb.yaml", readers.kb_used, first),
+        Kind(
+            "kb.yaml",
+            as_yaml,
+            partial(seeds.shipped, "first/kb.yaml"),
+            "kb.yaml",
+            readers.kb,
+            first,
+            readers.kb_used,
+            6,
+        ),
         Kind(
             "object.yaml",
             as_yaml,
             partial(seeds.shipped, "first/objects/box/object.yaml"),
             "objects/box/object.yaml",
-            readers.kb_used,
+            readers.kb,
             first,
+            readers.kb_used,
+            6,
         ),
         Kind("rules.pl", as_text, seeds.rules, "rules.pl", readers.kb, first),
         Kind("cloud", as_archive, seeds.clouds, "cloud.npz", readers.cloud),
@@ -158,9 +171,18 @@ def _kinds() -> list[Kind]:
     ]
     logic = [
         Kind("program", as_text, seeds.programs, "x.pl", readers.program),
-        Kind("goal", as_text, seeds.goals, "goal", readers.goal, _beside_documents),
-        Kind("evidence", as_text, seeds.evidence, "evidence", readers.evidence, _beside_documents),
-        Kind("rules", as_text, seeds.rules, "own.pl", readers.rules, _beside_documents),
+        Kind("goal", as_text, seeds.goals, "goal", readers.goal, _beside_documents, readers.goal_used, 50),
+        Kind(
+            "evidence",
+            as_text,
+            seeds.evidence,
+            "evidence",
+            readers.evidence,
+            _beside_documents,
+            readers.evidence_used,
+            50,
+        ),
+        Kind("rules", as_text, seeds.rules, "own.pl", readers.rules, _beside_documents, readers.rules_used, 50),
     ]
     foreign = [
         Kind(f"bop-{name}", as_json, partial(seeds.bop, file), f"dataset/{file}", readers.bop, seeds.bop_dataset)

@@ -7,7 +7,6 @@ from contextlib import redirect_stderr, redirect_stdout
 from functools import cache
 from io import BytesIO, StringIO
 from typing import TYPE_CHECKING, Any
-from zlib import crc32
 
 from benchmarks.fuzz import seeds
 from geometry.errors import PlogicError, WhichCameraError
@@ -63,26 +62,29 @@ def _above(path: Path) -> Path:
 
 
 def kb_used(path: Path) -> None:
-    """As ``kb check`` reads it; one in six that are accepted is shown, perceived with, and a scene is made of it."""
-    kb(path)
+    """It is perceived with, a scene is made of it, and it is shown."""
     folder = str(_above(path))
-    if crc32(path.read_bytes()) % 6 == 0:
-        command(path, "perceive", str(seeds.EXAMPLES / "first_gamma.json"), "--kb", folder, "--deadline", "5")
-        with tempfile.TemporaryDirectory() as made:
-            command(path, "simulate", "--kb", folder, "--gamma", "-o", f"{made}/made")
-            command(path, "kb", "show", folder, "--html", f"{made}/page.html")
+    command(path, "perceive", str(seeds.EXAMPLES / "first_gamma.json"), "--kb", folder, "--deadline", "5")
+    with tempfile.TemporaryDirectory() as made:
+        command(path, "simulate", "--kb", folder, "--gamma", "-o", f"{made}/made")
+        command(path, "kb", "show", folder, "--html", f"{made}/page.html")
 
 
 def mesh(path: Path) -> None:
-    """As a KB reads it and as ``kb add`` does; of one in 25 a type is made, which takes a third of a second."""
-    from kb.intake.new_type import new_type
+    """As a KB reads it, and as ``kb add`` does."""
     from kb.intake.source import read_source
     from kb.surfaces.surface import surface_from_mesh
 
     surface_from_mesh(path)
-    source = read_source(path)
-    if crc32(path.read_bytes()) % 25 == 0:
-        new_type("thing", source, "m", path)
+    read_source(path)
+
+
+def mesh_used(path: Path) -> None:
+    """A type is made of it."""
+    from kb.intake.new_type import new_type
+    from kb.intake.source import read_source
+
+    new_type("thing", read_source(path), "m", path)
 
 
 def cloud(path: Path) -> None:
@@ -220,45 +222,48 @@ def _beside(path: Path) -> Path:
     return path.with_name("interpretation.json")
 
 
-ASKED_OF = 50
-"""Of so many goals, rules and lines of evidence one is asked: that takes a process, and half a second."""
-
-
 def goal(path: Path) -> None:
-    """A goal, of an interpretation."""
+    """A goal."""
     from plogic.logic.safety.check import parse
 
-    text = path.read_text("utf-8", "replace")
-    parse(f"{text.rstrip().removesuffix('.')}\n.", "goal")
-    if crc32(text.encode()) % ASKED_OF == 0:
-        _scene(_beside(path)).query(text)
+    parse(f"{path.read_text('utf-8', 'replace').rstrip().removesuffix('.')}\n.", "goal")
+
+
+def goal_used(path: Path) -> None:
+    """It is asked, of an interpretation."""
+    _scene(_beside(path)).query(path.read_text("utf-8", "replace"))
 
 
 def evidence(path: Path) -> None:
-    """Some lines that a session observes."""
-    from plogic import Session
+    """Lines of evidence."""
     from plogic.logic.safety.check import parse
 
-    text = path.read_text("utf-8", "replace")
-    for line in text.splitlines()[:3]:
+    for line in path.read_text("utf-8", "replace").splitlines()[:3]:
         parse(f"{line}.", "evidence")
-    if crc32(text.encode()) % ASKED_OF == 0:
-        with Session(_scene(_beside(path))) as session:
-            for line in text.splitlines()[:3]:
-                session.observe(line)
+
+
+def evidence_used(path: Path) -> None:
+    """A session observes them."""
+    from plogic import Session
+
+    with Session(_scene(_beside(path))) as session:
+        for line in path.read_text("utf-8", "replace").splitlines()[:3]:
+            session.observe(line)
 
 
 def rules(path: Path) -> None:
-    """Rules, with an interpretation."""
+    """Rules."""
     from plogic.logic.safety.atoms import Names
     from plogic.logic.safety.author import author_rules
     from plogic.run.sources import program_text_of
     from plogic.scene.text.rules import defined
 
-    text = program_text_of(str(path))
-    author_rules(text, Names({}, {}), defined())
-    if crc32(text.encode("utf-8", "replace")) % ASKED_OF == 0:
-        _scene(_beside(path)).query("present(H)", rules=str(path))
+    author_rules(program_text_of(str(path)), Names({}, {}), defined())
+
+
+def rules_used(path: Path) -> None:
+    """An interpretation is asked by them."""
+    _scene(_beside(path)).query("present(H)", rules=str(path))
 
 
 def asked(words: Sequence[str], path: Path) -> None:

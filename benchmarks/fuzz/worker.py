@@ -18,6 +18,7 @@ from pathlib import Path
 from random import Random
 from time import process_time
 from typing import TYPE_CHECKING, Any, Protocol
+from zlib import crc32
 
 from geometry.errors import PlogicError
 
@@ -152,6 +153,8 @@ def outcome(kind: Kind, path: Path, data: bytes) -> tuple[str, Fault | None]:
     """How the reading of an input ended, in words without names and numbers, and whether it should not have."""
     try:
         kind.read(path)
+        if crc32(data) % kind.every == 0:
+            kind.use(path)
     except PlogicError as error:
         return f"{type(error).__name__} {_OWN.sub('', str(error)[:2000])[:200]}", None
     except Exception as error:  # noqa: BLE001 - any other is what is looked for

@@ -25,6 +25,7 @@ from plogic.match.gamma.data import data_of
 from plogic.match.gamma.grid import screen_angle
 from plogic.match.judged.expectation import pose_of
 from sensing.appearance import Appearance, Gamma
+from sensing.files.gamma_files import MAX_APPEARANCES
 
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
@@ -71,7 +72,12 @@ class Reported:
 
 
 def check_written(kb: KnowledgeBase, labels: Sequence[str]) -> None:
-    """Raise InputError for a learned type: descriptors make its data, and Σ has no statistics of them."""
+    """Raise InputError for a learned type, as descriptors make its data, and for more noise than a Γ holds."""
+    noise = sum(kb.rates.clutter[name] for name in kb.appearance_types)
+    if noise > MAX_APPEARANCES:
+        raise InputError(
+            f"--gamma: detector.clutter: {noise:g} an image; a Γ holds {MAX_APPEARANCES:,} appearances at most"
+        )
     for label in labels:
         if kb.type(label).learned is not None:
             raise InputError(

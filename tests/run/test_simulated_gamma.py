@@ -10,6 +10,7 @@ import pytest
 from geometry.camera import Camera
 from geometry.frames import look_at
 from geometry.visibility.rays import RayMesh
+from plogic.base.errors import InputError
 from plogic.match.gamma.data import data_of
 from plogic.match.judged.expectation import pose_of
 from plogic.run.simulated_gamma import NOISE, Obstacle, Posed, simulated_gamma
@@ -119,3 +120,8 @@ def test_arms_that_are_seen_are_reported():
     assert near.arms == pytest.approx(angles, abs=1e-3)
     assert len(by_name["0/body/base_sw"].arms) == 2  # its edge to the north is behind the tower
     assert all(a.arms == () for name, a in by_name.items() if a.type == "patch")
+
+
+def test_more_noise_than_a_gamma_holds_is_refused_before_it_is_made():
+    with pytest.raises(InputError, match=r"clutter: 2\.14748e\+09 an image; a Γ holds 20,000 appearances at most"):
+        reported(first(clutter={"corner": 2.0**31, "sticker": 1.0}))
