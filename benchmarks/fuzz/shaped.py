@@ -35,7 +35,7 @@ if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence
     from random import Random
 
-DEEP = 8
+DEEP = 4
 """Tables in tables, below which a new table has no key that it need not have."""
 PROGRAM = "rules"
 """The key of a program."""
@@ -77,7 +77,7 @@ def change(tree: Any, shape: Any, rng: Random) -> None:  # noqa: ANN401 - JSON
         return
     new = [place for place in places if isinstance(place[0], dict) and place[1] not in place[0]]
     holder, key, of = rng.choice(new if new and rng.randrange(2) else places)
-    made = _Maker(rng, sorted(_texts(tree))).made(of, DEEP // 2)
+    made = _Maker(rng, sorted(_texts(tree))).made(of, DEEP)
     if isinstance(holder, list):
         holder[key : key + 1] = [made]  # or at its end, where there may be one more
     else:
