@@ -137,13 +137,13 @@ def words_of(command: Command, path: Path, data: bytes) -> list[str]:
 # -- one run -----------------------------------------------------------------------------------------------------------
 
 
-def _run(words: Sequence[str], folder: Path, how: str) -> tuple[int, float, int]:
-    """Exit status (negative: a signal), processor seconds and bytes of memory at worst, its children counted."""
-    number = os.fork()
-    if number == 0:
-        _become(words, folder, how)
-    _, status, used = os.wait4(number, 0)
-    return os.waitstatus_to_exitcode(status), used.ru_utime + used.ru_stime, used.ru_maxrss * 1024
+@dataclass(frozen=True)
+class _Run:
+    """A run that has started, in ``place``."""
+
+    command: Command
+    data: bytes
+    place: Path
 
 
 def _become(words: Sequence[str], folder: Path, how: str) -> None:
@@ -201,34 +201,58 @@ def fault_of(status: int, seconds: float, memory: int, folder: Path) -> str | No
     return next((what for what, wrong in faults.items() if wrong), None)
 
 
-def runs(count: int, seed: int, folder: Path) -> Iterator[tuple[Command, bytes, str | None, float, int]]:
-    """Each run: the command, the input, what was wrong, processor seconds and memory."""
+def runs(count: int, seed: int, folder: Path, jobs: int) -> Iterator[tuple[Command, bytes, str | None, float, int]]:
+    """Each run as it ends: the command, the input, what was wrong, processor seconds and memory; ``jobs`` at once."""
     known, every = kinds(), commands()
+    places, running = [folder / f"run-{n}" for n in range(jobs)], dict[int, _Run]()
     for command in every:
-        kind = known[command.kind]
-        _once(command, kind, kind.seeds()[0], folder / "run", "first")
-        _import(folder / "run" / NEEDED)
+        first = _Run(command, known[command.kind].seeds()[0], places[0])
+        running[_started(first, "first")] = first
+        _ended(running)
+        _import(places[0] / NEEDED)
     made = {}
-    for i, command in enumerate(islice(cycle(every), count)):
-        kind = known[command.kind]
-        if command not in made:
-            rng = Random(f"{command.kind} {command.words} {seed}").randrange(1 << 30)  # noqa: S311 - no secret
-            made[command] = inputs(kind, rng, 1, kind.seeds(), count // len(every) + 2)
-        data = next(made[command])
-        status, seconds, memory = _once(command, kind, data, folder / "run", "copy" if i % FRESH else "script")
-        yield command, data, fault_of(status, seconds, memory, folder / "run"), seconds, memory
+    try:
+        for i, command in enumerate(islice(cycle(every), count)):
+            if command not in made:
+                kind = known[command.kind]
+                rng = Random(f"{command.kind} {command.words} {seed}").randrange(1 << 30)  # noqa: S311 - no secret
+                made[command] = inputs(kind, rng, 1, kind.seeds(), count // len(every) + 2)
+            one = _Run(command, next(made[command]), places.pop())
+            running[_started(one, "copy" if i % FRESH else "script")] = one
+            while running and (not places or i == count - 1):
+                one, status, seconds, memory = _ended(running)
+                places.append(one.place)
+                yield one.command, one.data, fault_of(status, seconds, memory, one.place), seconds, memory
+    finally:
+        for number in running:
+            os.kill(number, signal.SIGKILL)
 
 
-def _once(command: Command, kind: Kind, data: bytes, place: Path, how: str) -> tuple[int, float, int]:
-    """One run in a new folder: exit status, processor seconds and memory."""
+def _started(run: _Run, how: str) -> int:
+    """The process of a run in a new folder."""
+    kind, place = kinds()[run.command.kind], run.place
     shutil.rmtree(place, ignore_errors=True)
     place.mkdir()
-    command.beside(place)
+    run.command.beside(place)
     path = place / kind.file
     path.parent.mkdir(parents=True, exist_ok=True)
-    path.write_bytes(data)
+    path.write_bytes(run.data)
     (place / ".in").write_bytes(b"ask present(h1)\nworlds\nwhy present(h1)\n")
-    return _run(words_of(command, path, data), place, how)
+    words = words_of(run.command, path, run.data)
+    number = os.fork()
+    if number == 0:
+        _become(words, place, how)
+    return number
+
+
+def _ended(running: dict[int, _Run]) -> tuple[_Run, int, float, int]:
+    """The next run that ends: exit status (negative: a signal), processor seconds and bytes of memory at worst.
+
+    Its children are counted.
+    """
+    number, status, used = os.wait4(-1, 0)
+    seconds, memory = used.ru_utime + used.ru_stime, used.ru_maxrss * 1024
+    return running.pop(number), os.waitstatus_to_exitcode(status), seconds, memory
 
 
 def _import(needed: Path) -> None:
@@ -243,9 +267,10 @@ def _import(needed: Path) -> None:
 @click.option("--count", type=click.IntRange(1), default=10_000, show_default=True, help="Runs of all commands.")
 @click.option("--seconds", type=click.FloatRange(1.0), default=1e9, help="Stop after so long.")
 @click.option("--seed", default=0, show_default=True)
+@click.option("--jobs", type=click.IntRange(1, 64), default=os.cpu_count() or 1, show_default=True)
 @click.option("-o", "--out", type=click.Path(path_type=Path), default=Path("out/fuzz"), show_default=True)
 @click.option("--json", "as_json", is_flag=True)
-def main(count: int, seconds: float, seed: int, out: Path, *, as_json: bool) -> None:
+def main(count: int, seconds: float, seed: int, jobs: int, out: Path, *, as_json: bool) -> None:
     """Run the commands on hostile input, and say what came of it."""
     cv2.setNumThreads(0)
     warnings.simplefilter("ignore")
@@ -254,7 +279,7 @@ def main(count: int, seconds: float, seed: int, out: Path, *, as_json: bool) -> 
     rows: dict[str, dict[str, Any]] = {}
     until, tried, shown = monotonic() + seconds, 0, 0
     with tempfile.TemporaryDirectory(prefix="plogic-console-") as folder:
-        for command, data, what, took, memory in runs(count, seed, Path(folder)):
+        for command, data, what, took, memory in runs(count, seed, Path(folder), jobs):
             name = " ".join(command.words[:2] if command.words[0] == "kb" else command.words[:1]) + f" {command.kind}"
             row = rows.setdefault(name, {"command": name, "runs": 0, "faults": 0, "slowest": 0.0, "memory": 0})
             row["runs"] += 1
