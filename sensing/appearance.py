@@ -16,6 +16,9 @@ from numpy.typing import NDArray
 
 from geometry.camera import Camera
 
+MAX_APPEARANCES = 20_000
+"""Of a Γ in a file."""
+
 
 @dataclass(frozen=True)
 class Appearance:

@@ -24,8 +24,7 @@ from plogic.base.errors import InputError
 from plogic.match.gamma.data import data_of
 from plogic.match.gamma.grid import screen_angle
 from plogic.match.judged.expectation import pose_of
-from sensing.appearance import Appearance, Gamma
-from sensing.files.gamma_files import MAX_APPEARANCES
+from sensing.appearance import MAX_APPEARANCES, Appearance, Gamma
 
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence

@@ -20,14 +20,13 @@ from geometry.files.documents import Document, parsed_json
 from geometry.files.plain_files import name_of, text_of
 from geometry.json_checks import shown
 from geometry.json_shapes import Range, Size
-from sensing.appearance import Appearance, Gamma
+from sensing.appearance import MAX_APPEARANCES, Appearance, Gamma
 from sensing.detectors.keypoint_detector import WIDTH as SIDE
 from sensing.detectors.keypoints import WIDTHS
 from sensing.errors import GammaError
 from sensing.files.whole_files import write_whole
 
 MAX_BYTES = 64 * 1024 * 1024
-MAX_APPEARANCES = 20_000
 MAX_DESCRIPTOR = 1024
 """Bytes that a descriptor may have."""
 Name = Annotated[str, Size(1, 200)]

@@ -15,10 +15,9 @@ from hypothesis import strategies as st
 from in_process import standard_input
 
 from geometry.camera import Camera
-from sensing.appearance import Appearance, Gamma
+from sensing.appearance import MAX_APPEARANCES, Appearance, Gamma
 from sensing.errors import GammaError, SensingError
 from sensing.files.gamma_files import (
-    MAX_APPEARANCES,
     appearance_to_dict,
     gamma_from_dict,
     gamma_from_text,
