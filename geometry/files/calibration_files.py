@@ -278,7 +278,7 @@ def read_yaml(text: str) -> object:
             f"nested deeper than {MAX_DEPTH} levels" if deep else " ".join(str(error.problem or error.context).split())
         )
         raise CameraError(f"is not plain YAML: {why}", line=None if mark is None else mark.line + 1) from error
-    except (YAMLError, ValueError, RecursionError, TypeError) as error:
+    except (YAMLError, ValueError, RecursionError, TypeError, AssertionError) as error:  # the last of a %YAML 1.23
         start = start_of_too_long(text, "#.*")
         if start is not None:
             raise CameraError(TOO_LONG, line=text.count("\n", 0, start) + 1) from None

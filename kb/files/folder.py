@@ -113,8 +113,8 @@ def load(file: str, content: bytes) -> Document:
         deep = isinstance(error, MaxDepthExceededError)
         why = f"nested deeper than {MAX_DEPTH} levels" if deep else f"no YAML: {error.problem or error.context}"
         return _unread(file, why, line, column)
-    except (YAMLError, ValueError) as error:
-        return _unread(file, f"no YAML: {str(error).splitlines()[0]}")
+    except (YAMLError, ValueError, AssertionError) as error:  # the last of a %YAML 1.23
+        return _unread(file, f"no YAML: {(str(error) or type(error).__name__).splitlines()[0]}")
     builder = _Builder(file)
     data = builder.value(root, ()) if root is not None else None
     return Document(file, data, root, tuple(builder.mistakes))
