@@ -21,6 +21,7 @@ from geometry.json_shapes import (
     described,
     options_of,
     parts_of,
+    span_of,
 )
 
 Check = Callable[[object], Sequence[Mistake]]
@@ -71,22 +72,21 @@ def _bounded(parts: Parts, size: Size | Lengths) -> Check:
     if origin is Literal:
         return _one_of(args)
     if of is float or of is int:
-        return _number(parts.bound(Range, ANY_NUMBER), whole=of is int)
+        return _number(parts)
     return _text(size) if of is str else _truth if of is bool else _nothing
 
 
-def _number(span: Range, *, whole: bool) -> Check:
-    low, high, kind = span.low, span.high, "whole number" if whole else "number"
-    above = span.open_low
-    rule = f"should be {low:g}" if low == high else f"is not a {kind}{span}"
+def _number(parts: Parts) -> Check:
+    whole, (low, high, above) = parts.of is int, span_of(parts)
+    kind = "whole number" if whole else "number"
+    rule = f"should be {low:g}" if low == high else f"is not a {kind}{parts.bound(Range, ANY_NUMBER)}"
 
     def check(value: object) -> Sequence[Mistake]:
         found = type(value)
-        if whole and found is int and abs(value) > WHOLE:  # type: ignore[arg-type]
-            return [Mistake((), f"{shown(value)} is a whole number beyond {WHOLE}")]
         if (found is int or (found is float and not whole)) and low <= value <= high and not (above and value == low):  # type: ignore[operator]
             return NONE
-        return [Mistake((), f"{shown(value)} {rule}")]
+        beyond = whole and found is int and abs(value) > WHOLE  # type: ignore[arg-type]
+        return [Mistake((), f"{shown(value)} {f'is a whole number beyond {WHOLE}' if beyond else rule}")]
 
     return check
 

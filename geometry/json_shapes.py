@@ -132,6 +132,12 @@ def parts_of(shape: Any) -> Parts:  # noqa: ANN401 - a type
     return Parts(of, tuple(each for each in rest if type(each) is not str), said[-1] if said else "")
 
 
+def span_of(parts: Parts) -> Range:
+    """The bounds of a number; ``WHOLE`` bounds every whole one."""
+    span: Range = parts.bound(Range, ANY_NUMBER)
+    return span._replace(low=max(span.low, -WHOLE), high=min(span.high, WHOLE)) if parts.of is int else span
+
+
 def options_of(shape: Any) -> tuple[Any, ...]:  # noqa: ANN401 - types
     """The types of a union, null last, each with the bounds that the union has; none of any other type."""
     parts = parts_of(shape)

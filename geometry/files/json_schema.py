@@ -9,7 +9,6 @@ from types import NoneType
 from typing import Any, Literal, get_args, get_origin, is_typeddict
 
 from geometry.json_shapes import (
-    ANY_NUMBER,
     ANY_SIZE,
     LARGEST,
     Lengths,
@@ -19,6 +18,7 @@ from geometry.json_shapes import (
     Size,
     options_of,
     parts_of,
+    span_of,
 )
 
 Schema = dict[str, Any]
@@ -82,7 +82,7 @@ def _plain(parts: Parts, tables: dict[str, Schema]) -> Schema:
     if get_origin(of) is Literal:
         return {"const": args[0]} if len(args) == 1 else {"enum": list(args)}
     if of is float or of is int:
-        return _number(parts.bound(Range, ANY_NUMBER), "integer" if of is int else "number")
+        return _number(span_of(parts), "integer" if of is int else "number")
     return {"type": SIMPLE[of], **(_ends("Length", size) if of is str else {})}
 
 

@@ -144,3 +144,13 @@ def test_the_schema_comes_to_the_same_verdict():
         verdicts.append(other)
     assert mistakes(whole, Interpretation) == []
     assert 20 < sum(verdicts) < 300
+
+
+@pytest.mark.parametrize(
+    ("count", "right"), [(2**53, True), (2**53 + 1, False), (-(2**53), True), (-(2**53) - 1, False)]
+)
+def test_whole_numbers_end_at_the_same_for_the_schema(count, right):
+    document = copy.deepcopy(GOOD) | {"count": count}
+    assert Draft202012Validator(schema_of(Sheet, "")).is_valid(document) == right
+    said = "" if right else f"count: {count} is a whole number beyond {2**53}"
+    assert "".join(mistakes(document, Sheet)) == said
