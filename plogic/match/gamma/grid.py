@@ -62,11 +62,9 @@ class Grid:
         and some farther.
         """
         turns, down, across = self.shape
-        reach = np.broadcast_to(np.asarray(reach, float), len(uv))
-        ends = (np.floor((uv + HALF + side * reach[:, None]) / CELL) for side in (-1.0, 1.0))
-        low, high = (
-            np.clip(end, i, (across + i, down + i)).astype(np.intp) for i, end in zip((0, -1), ends, strict=True)
-        )
+        reach, cells = np.broadcast_to(np.asarray(reach, float), len(uv))[:, None], np.array([across, down])
+        low = np.clip(np.floor((uv + HALF - reach) / CELL), 0, cells).astype(np.intp)
+        high = np.clip(np.floor((uv + HALF + reach) / CELL), -1, cells - 1).astype(np.intp)
         rows = low[:, 1, None] + np.arange(int((high[:, 1] - low[:, 1]).max(initial=-1)) + 1)
         inside = (rows <= high[:, 1, None]) & (high[:, 0, None] >= 0) & (low[:, 0, None] < across)
         place, row = np.nonzero(inside)
