@@ -226,6 +226,7 @@ def runs(count: int, seed: int, folder: Path, jobs: int) -> Iterator[tuple[Comma
     finally:
         for number in running:
             os.kill(number, signal.SIGKILL)
+            os.waitpid(number, 0)
 
 
 def _started(run: _Run, how: str) -> int:

@@ -110,25 +110,9 @@ def _kinds() -> list[Kind]:
     ]  # fmt: skip
     first = partial(_in_kb, "first")
     authored = [
-        Kind(
-            "kb.yaml",
-            as_yaml,
-            partial(seeds.shipped, "first/kb.yaml"),
-            "kb.yaml",
-            readers.kb,
-            first,
-            readers.kb_used,
-            6,
-        ),
-        Kind(
-            "object.yaml",
-            as_yaml,
-            partial(seeds.shipped, "first/objects/box/object.yaml"),
-            "objects/box/object.yaml",
-            readers.kb,
-            first,
-            readers.kb_used,
-            6,
+        *(
+            Kind(name, as_yaml, partial(seeds.shipped, f"first/{file}"), file, readers.kb, first, readers.kb_used, 6)
+            for name, file in (("kb.yaml", "kb.yaml"), ("object.yaml", "objects/box/object.yaml"))
         ),
         Kind("rules.pl", as_text, seeds.rules, "rules.pl", readers.kb, first),
         Kind("cloud", as_archive, seeds.clouds, "cloud.npz", readers.cloud),
@@ -136,36 +120,17 @@ def _kinds() -> list[Kind]:
         Kind("points-csv", as_text, seeds.point_rows, "points.csv", readers.points),
     ]
     carried = [
-        Kind(
-            "gamma",
-            ShapedAs("sensing.files.gamma_files", "GammaRow"),
-            partial(seeds.example, "gamma.json"),
-            "gamma.json",
-            readers.gamma,
-        ),
-        Kind(
-            "poses",
-            ShapedAs("geometry.files.pose_files", "PosesRow"),
-            partial(seeds.example, "poses.json"),
-            "poses.json",
-            readers.poses,
+        *(
+            Kind(name, ShapedAs(module, shape), partial(seeds.example, f"{name}.json"), f"{name}.json", read)
+            for name, module, shape, read in (
+                ("gamma", "sensing.files.gamma_files", "GammaRow", readers.gamma),
+                ("poses", "geometry.files.pose_files", "PosesRow", readers.poses),
+                ("stereo", "sensing.files.stereo", "StereoRow", readers.stereo),
+                ("truth", "plogic.facts.document", "TruthRow", readers.truth),
+            )
         ),
         Kind("poses-tum", as_text, seeds.trajectory, "poses.txt", readers.poses),
         Kind("moves", ShapedAs("geometry.files.pose_files", "MovesRow"), seeds.moves, "moves.json", readers.moves),
-        Kind(
-            "stereo",
-            ShapedAs("sensing.files.stereo", "StereoRow"),
-            partial(seeds.example, "stereo.json"),
-            "stereo.json",
-            readers.stereo,
-        ),
-        Kind(
-            "truth",
-            ShapedAs("plogic.facts.document", "TruthRow"),
-            partial(seeds.example, "truth.json"),
-            "truth.json",
-            readers.truth,
-        ),
         Kind("stream", as_bytes, seeds.streams, "stream", readers.stream),
         Kind("batch-log", as_log, seeds.log, "log.jsonl", readers.log),
     ]

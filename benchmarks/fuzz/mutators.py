@@ -144,7 +144,7 @@ def as_yaml(data: bytes, rng: Random, pool: Sequence[bytes]) -> bytes:
 
 def changed(tree: Any, rng: Random) -> Any:  # noqa: ANN401 - JSON
     """The tree, with one of its values another."""
-    holders = [(at, key) for at in _values(tree) for key in _keys(at)][:MANY]
+    holders = [(at, key) for at in values(tree) for key in _keys(at)][:MANY]
     if not holders or rng.randrange(60) == 0:
         return _value(tree, rng)
     at, key = rng.choice(holders)
@@ -155,7 +155,7 @@ def changed(tree: Any, rng: Random) -> Any:  # noqa: ANN401 - JSON
         _beside(at, key, rng)
     elif what == 2:
         other, elsewhere = rng.choice(holders)
-        at[key] = other[elsewhere] if all(inner is not at for inner in _values(other[elsewhere])) else None
+        at[key] = other[elsewhere] if all(inner is not at for inner in values(other[elsewhere])) else None
     elif what == 3 and isinstance(at, dict):
         at[rng.choice((*TEXTS, *map(str, at)))] = at.pop(key)
     else:
@@ -167,7 +167,7 @@ def _beside(at: Any, key: Any, rng: Random) -> None:  # noqa: ANN401 - JSON
     """One more element, or key, like one that is there."""
     if isinstance(at, list):
         times = rng.choice((1, 1, 1, 3, 50, rng.choice(FLOOD) if rng.randrange(20) == 0 else 2))
-        at[key:key] = [at[key]] * min(times, MANY // len(_values(at[key])))
+        at[key:key] = [at[key]] * min(times, MANY // len(values(at[key])))
     else:
         at[rng.choice(TEXTS)] = at[key]
 
@@ -197,7 +197,7 @@ def nested(rng: Random) -> str:
     return opened * deep + "1" + closed * (deep if rng.randrange(3) else deep - 1)
 
 
-def _values(tree: Any) -> list[Any]:  # noqa: ANN401 - JSON
+def values(tree: Any) -> list[Any]:  # noqa: ANN401 - JSON
     """The tree, and what is in it, at most ``MANY`` values."""
     every = [tree]
     for at in every:  # which grows

@@ -11,12 +11,13 @@ import json
 from dataclasses import dataclass
 from functools import cache
 from importlib import import_module
-from math import cos, pi, sin
+from math import pi
 from types import NoneType
 from typing import TYPE_CHECKING, Any, Literal, get_args, get_origin, is_typeddict
 
-from benchmarks.fuzz.mutators import CHANGES, LONGEST, MANY, TEXTS, as_json
+from benchmarks.fuzz.mutators import CHANGES, LONGEST, MANY, TEXTS, as_json, values
 from geometry.camera_row import RIGID
+from geometry.frames import from_rotation_translation, turn_about
 from geometry.json_shapes import (
     ANY_NUMBER,
     ANY_SIZE,
@@ -121,16 +122,9 @@ def _places(tree: Any, shape: Any) -> Iterator[Place]:  # noqa: ANN401 - JSON
 
 def _texts(tree: Any) -> set[str]:  # noqa: ANN401 - JSON
     """All texts of a document, keys too: what one place names stands in another."""
-    found, todo = set[str](), [tree]
-    while todo:
-        at = todo.pop()
-        if isinstance(at, str) and len(at) < 100:
-            found.add(at)
-        elif isinstance(at, dict):
-            todo += [*at, *at.values()]
-        elif isinstance(at, list):
-            todo += at
-    return found
+    every = values(tree)
+    texts = {at for at in every if isinstance(at, str)}.union(*(at for at in every if isinstance(at, dict)))
+    return {text for text in texts if len(text) < 100}
 
 
 @dataclass(frozen=True)
@@ -180,16 +174,12 @@ class _Maker:
 
     def _pose(self) -> list[list[float]]:
         """A turn about an axis of the frame, and a place."""
-        angle, axis = self.rng.choice((0.0, pi, self.rng.random())), self.rng.randrange(3)
-        rows = [[float(i == j) for j in range(3)] + [float(self.rng.choice(PLAIN))] for i in range(3)]
-        one, other = (axis + 1) % 3, (axis + 2) % 3
-        rows[one][one], rows[one][other], rows[other][one], rows[other][other] = (
-            cos(angle),
-            -sin(angle),
-            sin(angle),
-            cos(angle),
-        )
-        return [*rows, [0.0, 0.0, 0.0, 1.0]]
+        angle, axis = self.rng.choice((0.0, pi, self.rng.random())), [0.0, 0.0, 0.0]
+        axis[self.rng.randrange(3)] = 1.0
+        pose: list[list[float]] = from_rotation_translation(
+            turn_about(axis, angle), self.rng.choices(PLAIN, k=3)
+        ).tolist()
+        return pose
 
     def _length(self, size: Size | Lengths | None) -> int:
         least, most = (0, 3) if size is None else size.ends()

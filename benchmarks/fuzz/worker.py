@@ -75,7 +75,7 @@ class Lot:
 
 
 def inputs(kind: Kind, seed: int, number: int, pool: Sequence[bytes], count: int) -> Any:  # noqa: ANN401 - an iterator of bytes
-    """The inputs of a lot, in order: of the first lot the good ones come first; half of all are made from those."""
+    """The inputs of a lot, in order: of the first lot the good ones come first; most are made from those."""
     good = pool[: len(kind.seeds())]
     rng = Random(f"{kind.name} {seed} {number}")  # noqa: S311 - no secret
     start = list(pool)[:count] if number == 0 else []

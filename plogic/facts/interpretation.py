@@ -143,7 +143,7 @@ def type_of(row: TypeRow) -> TypeFact:
 
 
 def _at_odds(document: Interpretation) -> Iterator[Mistake]:
-    """What names another thing of the document that is not there."""
+    """What one part of a document says against another."""
     for name, row in document.get("types", {}).items():
         for i, (feature, look, *_) in enumerate(row["lobes"]):
             if not (feature < len(row["features"]) and look < len(row["looks"])):
