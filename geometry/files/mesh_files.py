@@ -28,6 +28,12 @@ from geometry.files.xml_files import root_of
 
 logging.getLogger("trimesh").addHandler(logging.NullHandler())  # without one, tracebacks are printed
 Placed = list[tuple[Any, Floats]]
+COMPRESSED = "KHR_draco_mesh_compression", "EXT_meshopt_compression"
+"""Extensions of glTF: where a file needs one, its surface is not there without it."""
+PLACES = {"POSITION", "TEXCOORD_0"}
+"""What trimesh reads as it is stored, also where it is to be divided by the largest whole number."""
+_NO_GLTF = LookupError, OSError, RecursionError, TypeError, AttributeError, AssertionError
+"""What its reader raises where the JSON is not what it expects."""
 
 
 def meshes_of(path: Path) -> Placed:
@@ -62,7 +68,21 @@ def scene_of(path: Path) -> Any:  # noqa: ANN401 - trimesh's
     beside: Any = _Beside(path.name, {side.name: side for side in side_files(path, content) if side.kind != "picture"})
     if kind == "dae":  # its reader would follow entities
         content = ET.tostring(root_of(content.decode("utf-8-sig"), "mesh"))
+    elif kind in ("gltf", "glb"):
+        _check_numbers(gltf_parts(content)[0])
     return trimesh.load_scene(BytesIO(content), file_type=kind, process=False, resolver=beside)
+
+
+def _check_numbers(tree: Any) -> None:  # noqa: ANN401 - JSON
+    """Refuse a glTF whose places trimesh would misread: packed ones. Raises ValueError, or whatever fits no glTF."""
+    for name in COMPRESSED:
+        if name in tree.get("extensionsRequired", ()):
+            raise ValueError(f"its surface is compressed ({name}): export it without")
+    for mesh in tree["meshes"] if isinstance(tree.get("meshes"), list) else ():  # glTF 1 has an object there
+        for primitive in mesh["primitives"]:
+            for name in PLACES & primitive["attributes"].keys():
+                if tree["accessors"][primitive["attributes"][name]].get("normalized"):
+                    raise ValueError(f"its numbers of {name} are packed (KHR_mesh_quantization): export it without")
 
 
 @dataclass(frozen=True)
@@ -89,7 +109,7 @@ def reason(path: Path, error: Exception) -> str:
         return f"reading it needs the package {error.name}, or convert the mesh to OBJ or GLB"
     if isinstance(error, FileNotFoundError) and error.errno is None:
         return f"its buffer {error}"
-    if path.suffix.lower() == ".gltf" and isinstance(error, LookupError | OSError | RecursionError):
+    if path.suffix.lower() in (".gltf", ".glb") and isinstance(error, _NO_GLTF):
         return "it is no glTF 2.0, or a buffer that it names is missing"
     return " ".join(str(error).split())[:200] or type(error).__name__
 

@@ -124,7 +124,7 @@ def _outline(h: Row, mesh: RayMesh | None, camera: Camera) -> Iterator[_Line]:
     for ring in _rings(h):
         shown = shapely.intersection(shapely.LineString(ring), image_area(camera))
         for part in shapely.get_parts(shapely.line_merge(shown) if shown.geom_type == "MultiLineString" else shown):
-            if part.geom_type == "LineString":
+            if part.geom_type == "LineString" and not part.is_empty:
                 uv = shapely.get_coordinates(shapely.segmentize(part, STEP))
                 yield _Line(uv, _at_depth(uv, h, mesh, camera), inner=False)
 

@@ -1,6 +1,7 @@
 """What a mesh file names is found and read by us alone, inside its folder, whatever trimesh would read."""
 
 import base64
+import json
 import os
 import sys
 
@@ -91,6 +92,24 @@ def test_embedded_data_is_no_file(folder):
     assert len(mesh.faces) == 12
     assert side_files(folder / "a.gltf", (folder / "a.gltf").read_bytes()) == []
     assert [texture.data for texture in textures_in(folder / "a.gltf")[0]] == [b"hello"]
+
+
+@pytest.mark.parametrize(
+    ("change", "why"),
+    [
+        ({"extensionsRequired": ["KHR_draco_mesh_compression"]}, "compressed (KHR_draco_mesh_compression)"),
+        ({"extensionsRequired": ["EXT_meshopt_compression"]}, "compressed (EXT_meshopt_compression)"),
+        ({"accessors": [{"bufferView": 0, "normalized": True}]}, "POSITION are packed"),
+        ({"meshes": "a"}, "no glTF 2.0"),
+        ({"extensionsRequired": 1}, "no glTF 2.0"),
+    ],
+)
+def test_packed_numbers_are_refused_rather_than_misread(folder, change, why):
+    (folder / "four.bin").write_bytes(NUMBERS)
+    (folder / "a.gltf").write_text(json.dumps(json.loads(gltf_text("four.bin")) | change))
+    with pytest.raises((ValueError, TypeError)) as caught:
+        meshes_of(folder / "a.gltf")
+    assert why in reason(folder / "a.gltf", caught.value)
 
 
 @pytest.mark.parametrize("name", ["../../../secret.png", "../../secret", "/etc/passwd", "out.png", "file:///etc/hosts"])
