@@ -47,12 +47,13 @@ process of {LOT} inputs, which may take {MEMORY >> 20} beside the program itself
 
 @dataclass
 class Tally:
-    """What came of all lots of a kind."""
+    """What came of all lots of a kind, ``most`` inputs."""
 
     kind: Kind
     pool: list[bytes]
     out: Path
     say: Callable[[str], None]
+    most: int
     lot: int = 0
     tried: int = 0
     accepted: int = 0
@@ -143,10 +144,16 @@ class Plan:
 def attack(chosen: Sequence[Kind], plan: Plan, say: Callable[[str], None]) -> list[Tally]:
     """So many inputs of each kind, or as many as the time is enough for, each kind in turn."""
     tallies = [
-        Tally(kind, [*kind.seeds(), *kept(kind.name), *kept(kind.name, plan.out / REACHED)], plan.out, say)
+        Tally(
+            kind,
+            [*kind.seeds(), *kept(kind.name), *kept(kind.name, plan.out / REACHED)],
+            plan.out,
+            say,
+            max(1, plan.count // kind.rare),
+        )
         for kind in chosen
     ]
-    count, seed, jobs = plan.count, plan.seed, plan.jobs
+    seed, jobs = plan.seed, plan.jobs
     until = monotonic() + plan.seconds
     waiting, running, shown = list(tallies), dict[str, _Running](), 0
     with tempfile.TemporaryDirectory(prefix="plogic-fuzz-") as folder:
@@ -154,17 +161,17 @@ def attack(chosen: Sequence[Kind], plan: Plan, say: Callable[[str], None]) -> li
             while waiting and len(running) < jobs and monotonic() < until:
                 tally = waiting.pop(0)
                 running[tally.kind.name] = _Running(
-                    tally, seed, min(LOT, count - tally.tried), Path(folder) / tally.kind.name
+                    tally, seed, min(LOT, tally.most - tally.tried), Path(folder) / tally.kind.name
                 )
             for name, one in list(running.items()):
                 rest = _after(one, bool(wait([one.end], LOOK / len(running))))
                 if rest is None:
                     continue
                 del running[name]
-                shown = _progress(tallies, count, shown, say)
+                shown = _progress(tallies, shown, say)
                 if rest < one.lot[2]:
                     running[name] = _Running(one.tally, seed, one.lot[2], one.folder, rest)
-                elif one.tally.tried < count:
+                elif one.tally.tried < one.tally.most:
                     waiting.append(one.tally)
     return tallies
 
@@ -179,9 +186,9 @@ def warm(chosen: Sequence[Kind]) -> None:
                 outcome(replace(kind, every=1), path, data)
 
 
-def _progress(tallies: Sequence[Tally], count: int, shown: int, say: Callable[[str], None]) -> int:
+def _progress(tallies: Sequence[Tally], shown: int, say: Callable[[str], None]) -> int:
     """Say how far it is, at each percent; the percent that was said last."""
-    tried, most = sum(tally.tried for tally in tallies), count * len(tallies)
+    tried, most = (sum(numbers) for numbers in zip(*((tally.tried, tally.most) for tally in tallies), strict=True))
     now = 100 * tried // most
     if now > shown:
         say(f"{now} %: {tried} of {most} inputs, {sum(len(tally.faults) for tally in tallies)} faults")

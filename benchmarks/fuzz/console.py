@@ -88,6 +88,7 @@ def commands() -> list[Command]:
         ("gamma", ("perceive", "{}", *first)),
         ("gamma", ("batch", "{}", *first, "--jobs", "1")),
         ("stream", ("watch", "{}", *seen, "--fov", "60", "--limit", "3")),
+        *((f"video-{name}", ("batch", "{}", *seen, "--fov", "60", "--jobs", "1")) for name in ("avi", "mp4", "mkv")),
         *((f"camera-{name}", ("perceive", "x.png", *seen, "--camera", "{}" if name != "colmap" else "{}#1")) for name in CAMERAS),
         *((f"mesh-{name}", ("kb", "add", "thing", "--mesh", "{}", "--units", "m", *first)) for name in ("obj", "ply", "stl", "off", "gltf", "glb")),
         ("kb.yaml", ("kb", "check", "{kb}")),

@@ -169,7 +169,7 @@ def judge(guided: Guided, plan: Plan, say: Callable[[str], None]) -> None:
 
 def begun(kind: Kind, plan: Plan, folder: Path, say: Callable[[str], None]) -> Guided:
     """A kind with what it begins with: good inputs, and what was found before."""
-    guided = Guided(Tally(kind, [], plan.out, say), folder, plan.count, plan.seed)
+    guided = Guided(Tally(kind, [], plan.out, say, plan.count), folder, plan.count, plan.seed)
     for place in (guided.pool, folder / "start"):
         place.mkdir(parents=True, exist_ok=True)
     for data in [*kind.seeds(), *kept(kind.name)]:
@@ -189,7 +189,7 @@ def main(count: int, names: str, seed: int, jobs: int, out: Path, *, as_json: bo
     if find_spec("atheris") is None:
         click.echo("not led by the code that is reached: atheris is not installed (it has wheels for some Pythons)")
         return
-    known = kinds()
+    known = {name: kind for name, kind in kinds().items() if kind.rare == 1}  # what a child does is not seen
     wanted = names.split(",") if names else list(known)
     if strange := [name for name in wanted if name not in known]:
         raise click.UsageError(f"--kinds: {', '.join(strange)}: known are {', '.join(known)}")

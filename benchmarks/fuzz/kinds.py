@@ -42,6 +42,7 @@ class Kind:
 
     ``mutate`` changes one of the good ones, ``seeds``; the result is written to ``file``, below a folder that
     ``beside`` has filled, and handed to ``read``; one in ``every`` that is accepted also to ``use``, which is slow.
+    Where ``read`` itself is slow, one in ``rare`` inputs of the others is tried.
     """
 
     name: str
@@ -52,6 +53,7 @@ class Kind:
     beside: Callable[[Path], None] = nothing
     use: Callable[[Path], object] = nothing
     every: int = 1
+    rare: int = 1
 
 
 def _in_kb(name: str, folder: Path) -> None:
@@ -133,6 +135,10 @@ def _kinds() -> list[Kind]:
         Kind("moves", ShapedAs("geometry.files.pose_files", "MovesRow"), seeds.moves, "moves.json", readers.moves),
         Kind("stream", as_bytes, seeds.streams, "stream", readers.stream),
         Kind("batch-log", as_log, seeds.log, "log.jsonl", readers.log),
+        *(
+            Kind(f"video-{name}", as_bytes, partial(seeds.videos, name), f"x.{name}", readers.video, rare=100)
+            for name in ("avi", "mp4", "mkv")
+        ),
     ]
     logic = [
         Kind("program", as_text, seeds.programs, "x.pl", readers.program),

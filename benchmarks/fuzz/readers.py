@@ -33,6 +33,15 @@ def stream(path: Path) -> None:
         pass
 
 
+def video(path: Path) -> None:
+    """The frames of a video, all of which are decoded."""
+    from plogic.run.video.video import Video
+
+    with Video(path) as frames:
+        frames.frame(0)
+        frames.count()
+
+
 def gamma(path: Path) -> None:
     """A gamma/1."""
     from sensing.files.gamma_files import read_gamma

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import struct
+import tempfile
 from base64 import b64encode
 from functools import cache
 from pathlib import Path
@@ -83,6 +84,24 @@ def _directory(entries: Sequence[tuple[int, int, int, int]]) -> bytes:
 def streams() -> Sequence[bytes]:
     """Pictures one after the other."""
     return [first + b"--frame\r\n\r\n" + first for kind in ("jpg", "png", "pnm") for first in pictures(kind)[:1]]
+
+
+_CODECS = {"avi": "MJPG", "mp4": "mp4v", "mkv": "FFV1"}
+
+
+@cache
+def videos(name: str) -> Sequence[bytes]:
+    """Three frames in a container."""
+    import cv2
+
+    with tempfile.TemporaryDirectory() as folder:
+        path = Path(folder, f"x.{name}")
+        code = cv2.VideoWriter.fourcc(*_CODECS[name])
+        file = cv2.VideoWriter(str(path), cv2.CAP_FFMPEG, code, 10.0, (64, 48))
+        for grey in (20, 90, 200):
+            file.write(np.full((48, 64, 3), grey, np.uint8))
+        file.release()
+        return [path.read_bytes()]
 
 
 # -- cameras -----------------------------------------------------------------------------------------------------------
