@@ -61,6 +61,7 @@ class Tally:
     slowest: float = 0.0
     memory: int = 0
     faults: dict[tuple[str, str, str], Fault] = field(default_factory=dict)
+    doubtful: tuple[int, int] | None = None
 
     def add(self, lot: Lot) -> None:
         """Take in what one process did."""
@@ -104,16 +105,17 @@ class _Running:
         self._seen, self._before, self._since = -2, 0.0, 0.0
 
     def hangs(self) -> bool:
-        """Whether the input that is read has taken too long, or waits for what never comes."""
+        """Whether the input that is read has taken too long, or waits for what never comes; not while one is made."""
         if self.at.value != self._seen:
             self._seen, self._before, self._since = self.at.value, processor_of(self._copy.pid), monotonic()
-        return processor_of(self._copy.pid) - self._before > SLOW + 1.0 or monotonic() - self._since > WAITED
+        long = processor_of(self._copy.pid) - self._before > SLOW + 1.0 or monotonic() - self._since > WAITED
+        return long and self.at.value % 2 == 0
 
     def stop(self) -> int:
         """End it; the number of the input that was read last."""
         self._copy.end()
         self.end.close()
-        return max(self.at.value, self.first)
+        return max(self.at.value // 2, self.first)
 
     def data(self, at: int) -> bytes:
         """That input."""
@@ -209,11 +211,16 @@ def _after(one: _Running, said: bool) -> int | None:  # noqa: FBT001 - what was 
             one.tally.lot += 1
             return one.lot[2]
         return None
-    return _broken(one, f"more than {SLOW:g} processor seconds") if one.hangs() else None
+    return _broken(one, f"more than {SLOW:g} processor seconds", sure=False) if one.hangs() else None
 
 
-def _broken(one: _Running, what: str) -> int:
+def _broken(one: _Running, what: str, *, sure: bool = True) -> int:
+    """End it, and tell of the input that was read; where that may be the machine's doing, of one that is so twice."""
     at = one.stop()
+    if not sure and one.tally.doubtful != (one.tally.lot, at):
+        one.tally.doubtful = one.tally.lot, at
+        one.tally.tried += at - one.first - one.told
+        return at
     one.tally.fault(Fault(one.tally.kind.name, what, one.data(at)))
     one.tally.tried += at + 1 - one.first - one.told
     one.tally.lot += at + 1 == one.lot[2]

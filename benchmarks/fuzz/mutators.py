@@ -114,10 +114,7 @@ def as_json(data: bytes, rng: Random, pool: Sequence[bytes]) -> bytes:
         return as_text(data, rng, pool)
     for _ in range(rng.choice(CHANGES)):
         tree = changed(tree, rng)
-    try:
-        return _dumped(tree).encode("utf-8", "surrogatepass")[: 10 * LONGEST]
-    except RecursionError:  # what is that deep is tried as a text
-        return as_text(data, rng, pool)
+    return _dumped(tree, 10 * LONGEST).encode("utf-8", "surrogatepass")
 
 
 def as_log(data: bytes, rng: Random, pool: Sequence[bytes]) -> bytes:
@@ -211,15 +208,21 @@ def _keys(at: Any) -> Sequence[Any]:  # noqa: ANN401 - JSON
     return list(at) if isinstance(at, dict) else range(len(at)) if isinstance(at, list) else ()
 
 
-def _dumped(tree: Any) -> str:  # noqa: ANN401 - JSON
-    """JSON, in which what is ``_Raw`` stands as it is."""
-    if isinstance(tree, _Raw):
-        return str(tree)
-    if isinstance(tree, dict):
-        return "{" + ", ".join(f"{json.dumps(str(key))}: {_dumped(value)}" for key, value in tree.items()) + "}"
-    if isinstance(tree, list):
-        return "[" + ", ".join(map(_dumped, tree)) + "]"
-    return json.dumps(tree)
+def _dumped(tree: Any, most: int) -> str:  # noqa: ANN401 - JSON
+    """JSON, in which what is ``_Raw`` stands as it is; so many characters at most, since parts may be shared."""
+    waiting, done, size = [tree], list[str](), 0
+    while waiting and size < most:
+        at = waiting.pop()
+        if isinstance(at, dict):
+            rows = [(_Raw(f"{', ' if i else ''}{json.dumps(str(key))}: "), at[key]) for i, key in enumerate(at)]
+            waiting += [_Raw("}"), *(part for row in reversed(rows) for part in reversed(row)), _Raw("{")]
+        elif isinstance(at, list):
+            waiting += [_Raw("]"), *(part for inner in reversed(at) for part in (inner, _Raw(", ")))]
+            waiting[len(waiting) - bool(at) :] = [_Raw("[")]
+        else:
+            done.append(str(at) if isinstance(at, _Raw) else json.dumps(at))
+            size += len(done[-1])
+    return "".join(done)[:most]
 
 
 # -- texts -------------------------------------------------------------------------------------------------------------

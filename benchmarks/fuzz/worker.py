@@ -88,7 +88,10 @@ def inputs(kind: Kind, seed: int, number: int, pool: Sequence[bytes], count: int
 def work(
     kind: Kind, lot: tuple[int, int, int, int], pool: Sequence[bytes], folder: Path, at: Counter, end: Connection
 ) -> None:
-    """Read a lot's inputs, from one on, and send what came of it; ``at`` counts them while they are read."""
+    """Read a lot's inputs, from one on, and send what came of it.
+
+    ``at`` is twice the number of the input that is read, and one more once it has been.
+    """
     seed, number, count, first = lot
     warnings.simplefilter("ignore")
     limit()
@@ -98,8 +101,9 @@ def work(
     start = process_time()
     for i, data in enumerate(inputs(kind, seed, number, pool, count)):
         if i >= first:
-            at.value = i
+            at.value = 2 * i
             _one(kind, path, data, done, known)
+            at.value = 2 * i + 1
         if done.faults:  # told at once: the next input may be the end
             end.send(_measured(done, start))
             done, start = Lot(), process_time()
