@@ -377,9 +377,10 @@ def main() -> None:
 def _told(error: Exception) -> list[str]:
     """What a user is told: the mistakes, a line each; of a mistake of ours, where to get its traceback."""
     from geometry.errors import PlogicError
+    from geometry.printable import on_one_line
 
     if isinstance(error, PlogicError):
-        return str(error).splitlines()
+        return on_one_line(str(error), sys.argv).splitlines()
     what = " ".join(f"{type(error).__name__}: {error}".split())
     if isinstance(error, MemoryError) or any(sign in what for sign in NO_MEMORY):
         than = f"the {held() >> 20} MB that a command may ({VARIABLE}, ulimit)" if held() else "there is"

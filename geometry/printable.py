@@ -10,6 +10,7 @@ of ASCII's, so that it means the same afterwards.
 """
 
 import re
+from collections.abc import Iterable
 
 LONGEST = 1000
 """Characters of a message's line; of a longer one the middle is left out."""
@@ -34,6 +35,14 @@ def _escaped(text: str) -> str:
 def shown(text: str) -> str:
     """The text with its ends of lines and tabs, and an escape for everything else that cannot be printed."""
     return "\n".join("\t".join(map(visible, line.split("\t"))) for line in text.split("\n"))
+
+
+def on_one_line(text: str, names: Iterable[str]) -> str:
+    r"""A message as ``fit`` leaves it, in which names that hold an end of line stand with its escape, as ``\n``."""
+    for name in names:
+        if "\n" in name:
+            text = text.replace(shown(name), visible(name))
+    return text
 
 
 def escape(sign: str) -> str:

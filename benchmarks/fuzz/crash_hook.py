@@ -33,9 +33,9 @@ AUDITED = {
 """Operations that CPython tells, and which of what it tells is the place."""
 WRITES = os.O_WRONLY | os.O_RDWR | os.O_CREAT | os.O_TRUNC
 FOLDER, LINK, FILE = "folder", "link", "file"
-RANDOM = re.compile(r"(?<=plogic-)[a-z0-9_]{8}")
+RANDOM = re.compile(r"(?<=plogic-begun-)[a-z0-9_]{8}")
 """In names of what is begun."""
-BEGUN = re.compile(r"((?:.*/)?\.[^/]*\.plogic-)(?:/.*)?", re.DOTALL)
+BEGUN = re.compile(r"((?:.*/)?\.[^/]*\.plogic-begun-)(?:/.*)?", re.DOTALL)
 """What is begun, and what is in it."""
 
 Held = dict[str, tuple[str, str]]

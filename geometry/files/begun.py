@@ -15,15 +15,17 @@ import fcntl
 import os
 import re
 import shutil
+import stat
 import tempfile
 from collections.abc import Callable, Iterator
 from contextlib import AbstractContextManager, contextmanager, suppress
 from functools import lru_cache
 from pathlib import Path
 
-MARK = "plogic-"
-SHARED, PRIVATE = 0o755, 0o700
-"""Of a folder: everybody may read what is in it, or its user alone."""
+MARK = "plogic-begun-"
+"""In the names of what is begun: nobody else's files are called so."""
+SHARED, PRIVATE = 0o777, 0o700
+"""Of a folder: whoever the user's mask lets read what is in it, or the user alone."""
 _BEGUN = re.compile(rf"\..*\.{MARK}[a-z0-9_]{{8}}", re.DOTALL)
 _LONG = 40
 """Characters of the place's name that are kept, so that one as long as a name may be can be begun."""
@@ -38,7 +40,7 @@ def file_beside(place: Path, data: bytes) -> Iterator[Path]:
             file.write(data)
             file.flush()
             os.fsync(handle)
-        begun.chmod(0o644)
+        begun.chmod(_mode_of(place))
         yield begun
     finally:
         begun.unlink(missing_ok=True)
@@ -50,11 +52,26 @@ def folder_beside(place: Path, mode: int = SHARED) -> Iterator[Path]:
     """A new folder. Raises OSError."""
     handle, begun = _locked(place, lambda folder, prefix: Path(tempfile.mkdtemp(dir=folder, prefix=prefix)))
     try:
-        begun.chmod(mode)
+        begun.chmod(mode & ~_mask())
         yield begun
     finally:
         shutil.rmtree(begun, ignore_errors=True)
         os.close(handle)
+
+
+def _mode_of(place: Path) -> int:
+    """The permissions of the file that stands there, or those of a new one."""
+    try:
+        return stat.S_IMODE(place.stat().st_mode) & 0o777
+    except OSError:
+        return 0o666 & ~_mask()
+
+
+def _mask() -> int:
+    """The permissions that the user takes from new files: it can only be read by setting it."""
+    mask = os.umask(0o077)
+    os.umask(mask)
+    return mask
 
 
 def scratch() -> AbstractContextManager[Path]:

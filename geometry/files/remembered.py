@@ -29,6 +29,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from geometry.files.begun import PRIVATE, folder_beside
+from geometry.files.plain_files import fault_of
 
 FOLDERS, BYTES = 8, 2 << 30
 """So many folders are kept at most, of so many bytes together; one always is."""
@@ -100,19 +101,19 @@ def damage(place: Path, *, measured: bool) -> str | None:
     """
     try:
         if place.is_dir():
-            said = json.loads((place / MANIFEST).read_bytes())
+            said = json.loads(_plain(place / MANIFEST).read_bytes())
             files = {
                 _file(place, name): {"bytes": row["bytes"], "crc32": row["crc32"]}
                 for name, row in said["arrays"].items()
             }
             whole = said["key"] == place.name and all(
-                (_measured(file) == row) if measured else file.stat().st_size == row["bytes"]
+                (_measured(_plain(file)) == row) if measured else file.stat().st_size == row["bytes"]
                 for file, row in files.items()
             )
             return None if whole else "is not what was written"
-        with ZipFile(place) as file:
+        with ZipFile(_plain(place)) as file:
             return None if not measured or file.testzip() is None else "is not what was written"
-    except (OSError, ValueError, LookupError, TypeError, AttributeError, BadZipFile) as error:
+    except (OSError, ValueError, LookupError, TypeError, AttributeError, BadZipFile, RecursionError) as error:
         return f"cannot be read: {' '.join(str(error).split())[:100]}"
 
 
@@ -128,10 +129,10 @@ MANIFEST = "manifest.json"
 
 
 def cache_folder(what: str) -> Path | None:
-    """Where such things are kept; None where nobody knows the user's home."""
-    home = os.environ.get("XDG_CACHE_HOME")
+    """Where such things are kept; None where nobody knows the home. A variable that is no whole path says nothing."""
+    home = os.environ.get("XDG_CACHE_HOME", "")
     try:
-        return (Path(home) if home else Path.home() / ".cache") / "plogic" / what
+        return (Path(home) if Path(home).is_absolute() else Path.home() / ".cache") / "plogic" / what
     except RuntimeError:
         return None
 
@@ -155,12 +156,21 @@ def arrays_of(
 
 def _kept(place: Path, names: tuple[str, ...]) -> dict[str, NDArray[Any]]:
     """What is kept; raises where anything is missing, or is not as it was written."""
-    arrays: dict[str, NDArray[Any]] = {name: np.lib.format.open_memmap(_file(place, name), mode="r") for name in names}
-    if (place / MANIFEST).read_bytes() != _manifest(place, place.name, arrays):
+    files = {name: _plain(_file(place, name)) for name in names}
+    arrays: dict[str, NDArray[Any]] = {name: np.lib.format.open_memmap(file, mode="r") for name, file in files.items()}
+    if _plain(place / MANIFEST).read_bytes() != _manifest(place, place.name, arrays):
         raise ValueError(f"{place}: is not what was written")
     with suppress(OSError):  # who may only read it uses it all the same
         os.utime(place)
     return arrays
+
+
+def _plain(file: Path) -> Path:
+    """A file that ends. Raises OSError for a pipe, a device or nothing."""
+    fault = fault_of(file)
+    if fault is not None:
+        raise OSError(f"{file.name} {fault}")
+    return file
 
 
 def _file(place: Path, name: str) -> Path:

@@ -10,9 +10,11 @@ left, and who may not write reads it where it lies (``kb.files.folder.Folder``).
 * ``holder(root)``: the process that is changing it
 """
 
+import errno
 import fcntl
 import os
 import shutil
+import stat
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager, suppress
 from pathlib import Path
@@ -33,6 +35,8 @@ SETTLING = 2.0
 STEP = 0.02
 """Seconds between two looks."""
 MOST_PID = 2**31
+NO_LOCK = "is no lock that plogic made, but a link, a folder or the like"
+"""What is wrong with whatever else stands in its place."""
 
 
 class Writer:
@@ -107,7 +111,15 @@ def _locked(lock: Path) -> int | None:
     Where the file system has no locks, nobody is kept out.
     """
     while True:
-        handle = os.open(lock, os.O_RDWR | os.O_CREAT | os.O_NOFOLLOW | os.O_CLOEXEC, 0o644)
+        try:
+            handle = os.open(lock, os.O_RDWR | os.O_CREAT | os.O_NOFOLLOW | os.O_NONBLOCK | os.O_CLOEXEC, 0o644)
+        except OSError as error:
+            if error.errno in (errno.EISDIR, errno.ELOOP, errno.ENXIO):
+                raise KBError(f"{lock}: {NO_LOCK}: remove it") from None
+            raise
+        if not _is_own(handle):
+            os.close(handle)
+            raise KBError(f"{lock}: {NO_LOCK}: remove it")
         try:
             fcntl.flock(handle, fcntl.LOCK_EX | fcntl.LOCK_NB)
         except BlockingIOError:
@@ -118,6 +130,21 @@ def _locked(lock: Path) -> int | None:
         if is_at(handle, lock):
             return handle
         os.close(handle)  # who had it has just removed it
+
+
+def _is_own(handle: int) -> bool:
+    """Whether it is a plain file with no other name, so that nothing but a lock is written over."""
+    found = os.fstat(handle)
+    return stat.S_ISREG(found.st_mode) and found.st_nlink <= 1
+
+
+def has_no_lock(root: Path) -> bool:
+    """Whether something stands in the place of the lock that is none: a folder, a link, a file of another name."""
+    try:
+        found = (root / LOCK).lstat()
+    except OSError:
+        return False
+    return not stat.S_ISREG(found.st_mode) or found.st_nlink > 1
 
 
 def holder(root: Path) -> int | None:
@@ -140,7 +167,7 @@ def holder(root: Path) -> int | None:
 
 def is_left(root: Path) -> bool:
     """Whether there is a lock of a writer that was killed."""
-    return fault_of(root / LOCK) is None and holder(root) is None
+    return fault_of(root / LOCK) is None and not has_no_lock(root) and holder(root) is None
 
 
 def is_changing(root: Path) -> bool:
@@ -175,9 +202,10 @@ def _move(root: Path) -> None:
         if not Path(os.path.realpath(target)).is_relative_to(real):
             continue
         for name in names:
-            target.mkdir(parents=True, exist_ok=True)
-            (Path(place) / name).replace(target / name)
-            folders |= {target, target.parent}
+            with suppress(IsADirectoryError, NotADirectoryError, FileExistsError):  # no writer of ours left that
+                target.mkdir(parents=True, exist_ok=True)
+                (Path(place) / name).replace(target / name)
+                folders |= {target, target.parent}
     for folder in folders:
         with suppress(OSError):
             sync(folder)

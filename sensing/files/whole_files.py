@@ -1,12 +1,14 @@
 """Files that are written whole or not at all."""
 
 import os
+import re
 from collections.abc import Iterable, Iterator, Mapping
 from contextlib import ExitStack, contextmanager
+from io import FileIO
 from pathlib import Path
 
 from geometry.files.begun import file_beside, folder_beside, synced, told_of
-from geometry.files.plain_files import IS_FOLDER, IS_MISSING, NO_PLAIN_FILE, TOO_LONG, fault_of
+from geometry.files.plain_files import IS_FOLDER, IS_MISSING, NO_PLAIN_FILE, TOO_LONG, fault_of, is_there
 from sensing.errors import SensingError
 
 
@@ -45,9 +47,17 @@ def write_files(files: Mapping[Path, bytes]) -> None:
                 temporary.replace(place)
 
 
-def check_places(places: Iterable[Path]) -> None:
-    """Raise SensingError for the first place where no file can be written: before the work is done."""
+def check_places(places: Iterable[Path], read: Iterable[str | Path | None] = (), kb: str | None = None) -> None:
+    """Raise SensingError for the first place where no file can be written, before the work is done.
+
+    Nor may one be that is ``read``, or that belongs to the folder ``kb``: both would be lost.
+    """
+    given = [Path(name) for name in read if name is not None]
     for path in places:
+        if any(_same(path, other) for other in given):
+            raise SensingError(f"{path}: is what is read: name another place for what is written")
+        if kb is not None and is_there(path) and Path(os.path.realpath(path)).is_relative_to(os.path.realpath(kb)):
+            raise SensingError(f"{path}: belongs to the knowledge base {kb}: name another place for what is written")
         if _is_stream(path):
             if not os.access(path, os.W_OK):
                 raise SensingError(f"{path}: cannot be written: Permission denied")
@@ -67,20 +77,39 @@ def check_new_folder(folder: Path) -> None:
     fault = fault_of(folder)
     if fault == TOO_LONG:
         raise SensingError(f"{folder}: cannot be written: File name too long")
-    if fault != IS_MISSING and (fault != IS_FOLDER or any(folder.iterdir())):
+    if is_there(folder) and (fault != IS_FOLDER or any(folder.iterdir())):
         raise SensingError(f"{folder}: exists already and is not an empty folder")
     for above in folder.parents:
         if above.exists() and not above.is_dir():
             raise SensingError(f"{folder}: cannot be written: {above} is no folder")
 
 
+def _same(path: Path, other: Path) -> bool:
+    try:
+        return path.samefile(other)
+    except (OSError, ValueError):
+        return False
+
+
+_OPENED = re.compile(r"/dev/(?:fd/(?P<number>\d{1,6})|std(?P<name>out|err))")
+"""Names of what this process has open already, and its caller may have written to: a pipe, or a file."""
+
+
 def _is_stream(path: Path) -> bool:
-    """Whether a device or a pipe stands there, whose place no file may take."""
-    return fault_of(path) == NO_PLAIN_FILE
+    """Whether a device or a pipe stands there, or what is open already, whose place no file may take."""
+    return _opened(path) is not None or fault_of(path) == NO_PLAIN_FILE
+
+
+def _opened(path: Path) -> int | None:
+    """The number of the stream that a name means, which may lead to a file: its place is no place for another."""
+    name = re.sub(r"^/proc/(?:self|thread-self)/fd/", "/dev/fd/", str(path))
+    match = _OPENED.fullmatch(name)
+    return None if match is None else int(match["number"] or {"out": 1, "err": 2}[match["name"]])
 
 
 def _into(path: Path, data: bytes) -> None:
-    with told_of(path, SensingError), path.open("wb", buffering=0) as stream:
+    number = _opened(path)
+    with told_of(path, SensingError), FileIO(path if number is None else os.dup(number), "wb") as stream:
         left = memoryview(data)
         while left:
             left = left[stream.write(left) :]
@@ -90,16 +119,25 @@ def _into(path: Path, data: bytes) -> None:
 def new_folder(folder: Path) -> Iterator[Path]:
     """A folder to write into that becomes ``folder`` at the end, and is removed where anything goes wrong.
 
+    Where ``folder`` is there and cannot be another, as the one that somebody works in, its content is moved in at the
+    end, name by name.
+
     Raises:
         SensingError: ``folder`` exists and is not empty, or cannot be written.
     """
     check_new_folder(folder)
     with told_of(folder, SensingError):
-        folder.parent.mkdir(parents=True, exist_ok=True)
-        with folder_beside(folder) as begun:
+        place = Path(os.path.realpath(folder))
+        place.parent.mkdir(parents=True, exist_ok=True)
+        stays = place.exists() and (place.is_mount() or place == Path(os.path.realpath(os.curdir)))
+        with folder_beside(place / "all" if stays else place) as begun:
             yield begun
             synced(begun)
-            begun.replace(folder)
+            if stays:
+                for path in sorted(begun.iterdir()):
+                    path.replace(place / path.name)
+            else:
+                begun.replace(place)
 
 
 def write_folder(folder: Path, files: Mapping[str, bytes], empty: Iterable[str] = ()) -> None:

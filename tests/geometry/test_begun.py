@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import os
+
 import pytest
 from killed_processes import killed_while
 
@@ -37,10 +39,11 @@ def test_scratch_is_its_users_alone_and_swept_where_it_lies(tmp_path, monkeypatc
 def test_nothing_of_another_name_is_touched(tmp_path):
     names = [
         ".place.abcdefgh",
-        "place.plogic-abcdefgh",
+        "place.plogic-begun-abcdefgh",
         ".plogic-lock",
-        ".place.plogic-ABCDEFGH",
-        ".a.plogic-abcdefgh.txt",
+        ".place.plogic-settings",
+        ".place.plogic-begun-ABCDEFGH",
+        ".a.plogic-begun-abcdefgh.txt",
     ]
     for name in names:
         (tmp_path / name).write_text("mine")
@@ -51,7 +54,7 @@ def test_nothing_of_another_name_is_touched(tmp_path):
 def test_a_link_is_not_followed(tmp_path):
     (tmp_path / "mine").write_text("mine")
     (tmp_path / "swept").mkdir()
-    (tmp_path / "swept" / ".a.plogic-abcdefgh").symlink_to(tmp_path / "mine")
+    (tmp_path / "swept" / ".a.plogic-begun-abcdefgh").symlink_to(tmp_path / "mine")
     sweep(tmp_path / "swept")
     assert (tmp_path / "mine").read_text() == "mine"
 
@@ -62,3 +65,21 @@ def test_a_name_as_long_as_a_name_may_be(tmp_path):
         begun.replace(place)
     assert place.read_bytes() == b"whole"
     assert list(tmp_path.iterdir()) == [place]
+
+
+@pytest.mark.parametrize(
+    ("mask", "new", "folder"), [(0o022, 0o644, 0o755), (0o077, 0o600, 0o700), (0o002, 0o664, 0o775)]
+)
+def test_who_may_read_it_is_what_the_user_has_set(tmp_path, mask, new, folder):
+    before = os.umask(mask)
+    try:
+        with file_beside(tmp_path / "new", b"") as begun:
+            assert begun.stat().st_mode & 0o777 == new
+        with folder_beside(tmp_path / "folder") as begun:
+            assert begun.stat().st_mode & 0o777 == folder
+        (tmp_path / "old").touch()
+        (tmp_path / "old").chmod(0o640)
+        with file_beside(tmp_path / "old", b"") as begun:
+            assert begun.stat().st_mode & 0o777 == 0o640
+    finally:
+        os.umask(before)

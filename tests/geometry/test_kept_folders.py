@@ -80,6 +80,8 @@ HARMS = {
     "a folder": as_folder,
     "a file in the place of the folder": as_file,
     "an empty folder": lambda place: [file.unlink() for file in place.iterdir()],
+    "pipes": lambda place: [(file.unlink(), os.mkfifo(file)) for file in place.iterdir()],
+    "brackets": manifest(b"[" * 100_000),
     "no manifest": lambda place: (place / MANIFEST).unlink(),
     "an empty manifest": manifest(b""),
     "a manifest of something else": manifest(b'{"key": 3}'),
@@ -183,8 +185,8 @@ def test_nobody_elses_is_touched(tmp_path):
 def test_what_a_killed_process_began_goes_and_what_is_being_written_stays(tmp_path):
     with killed_while(lambda: folder_beside(tmp_path / OTHER)):
         (used,) = tmp_path.iterdir()
-        (tmp_path / f".{KEY}.plogic-abcdefgh").mkdir()
-        (tmp_path / f".{KEY}.plogic-abcdefgh" / "one.npy").write_bytes(b"half")
+        (tmp_path / f".{KEY}.plogic-begun-abcdefgh").mkdir()
+        (tmp_path / f".{KEY}.plogic-begun-abcdefgh" / "one.npy").write_bytes(b"half")
         asked(tmp_path / KEY)
         assert sorted(tmp_path.iterdir()) == sorted([used, tmp_path / KEY])
 

@@ -3,6 +3,7 @@
 import json
 from collections.abc import Callable
 from dataclasses import replace
+from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal
 
 from kb.files.schema import json_schema
@@ -110,7 +111,10 @@ def page_command(
 ) -> None:
     """Write the page of a type, the KB's only one where none is named; `-` is stdout. Raises InputError."""
     from plogic.face.pages.type_content import type_page
+    from sensing.files.whole_files import check_places
 
+    if out != "-":
+        check_places([Path(out)], kb=folder)
     kb = kb_of(folder)
     written(type_page(kb, type_of(kb, name)), out, say=say, write=write)
 

@@ -30,6 +30,7 @@ from plogic.base.errors import InputError
 from plogic.run.sources import kb_of
 from plogic.sequence.constancy.panorama_reading import unknown_of
 from plogic.sequence.constancy.result import SeenFeature, draft_type
+from sensing.errors import SensingError
 from sensing.files.whole_files import write_folder
 
 PATIENCE = 10.0
@@ -105,8 +106,13 @@ def write_types(folder: Path, types: Sequence[NewType]) -> bool:
     Raises IntakeError, InputError where a type of a name is there meanwhile, KBError, SensingError.
     """
     if is_new(folder):
-        _make(folder, new_kb_files(_name_of(folder)), types)
-        return True
+        try:
+            _make(folder, new_kb_files(_name_of(folder)), types)
+        except SensingError:
+            if is_new(folder):  # else another process has made it meanwhile
+                raise
+        else:
+            return True
     with writing(folder, PATIENCE) as writer:
         check_places(folder, [kind.name for kind in types])
         writer.change(files_in(folder, types))

@@ -8,6 +8,7 @@ from pathlib import Path
 from time import monotonic
 
 from geometry.errors import WhichCameraError
+from geometry.printable import on_one_line, visible
 from plogic.base.children import ending_well
 from plogic.base.errors import ReaderGoneError
 from plogic.face.shown.options import Batching
@@ -123,8 +124,9 @@ def _run(
 
 def _why(frame: Frame, line: bytes) -> str:
     """The error of a line: its first mistake and their number, after the frame's name unless it says that itself."""
-    first, *others = str(json.loads(line)["error"]).splitlines() or [""]
-    named = first if first.startswith(frame.input) else f"{frame.name}: {first}"
+    error = on_one_line(str(json.loads(line)["error"]), [frame.input])
+    first, *others = error.splitlines() or [""]
+    named = first if first.startswith(visible(frame.input)) else f"{visible(frame.name)}: {first}"
     return named + (f" (and {len(others)} more)" if others else "")
 
 

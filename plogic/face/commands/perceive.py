@@ -70,7 +70,7 @@ def perceive_command(inputs: Sequence[str], options: Perceiving, *, say: Say, wr
 
 def _of_one(source: str, options: Perceiving, say: Say, write: Say) -> int:
     clock = Stopwatch()
-    check_places(_places(options))
+    _check_places(options, [source])
     with clock.stage("read"):
         kb = kb_of(options.kb)
         shot = None if is_gamma(source) else shot_of(source, options.camera)
@@ -103,7 +103,7 @@ def _of_pair(inputs: Sequence[str], options: Perceiving, stereo: str, say: Say, 
         raise InputError(f"{options.camera.named[0]}: --stereo tells both cameras; leave one of the two out")
     if any(map(is_video, inputs)):
         raise InputError("--stereo: takes pictures or Γ, and no video")
-    check_places(_places(options))
+    _check_places(options, inputs)
     clock = Stopwatch()
     kb = kb_of(options.kb)
     calibration = read_stereo(stereo)
@@ -153,14 +153,16 @@ def _tell_of(kb: KnowledgeBase, folder: str, say: Say) -> None:
         say(f"who holds whom is not checked, for {NO_PHYSICS}: {INSTALL}")
 
 
-def _places(options: Perceiving) -> list[Path]:
-    """The files that will be written. Raises InputError where one is named for two outputs."""
+def _check_places(options: Perceiving, inputs: Sequence[str]) -> None:
+    """Raise InputError where a file that will be written is named twice, SensingError where none can be, or is read."""
     named = [Path(path) for path in (options.report, options.picture, options.timings) if path]
+    if Path("-") in named:
+        raise InputError("-: standard output is the interpretation's; name a file for the page, picture or timings")
     named += [Path(options.out)] * (options.out != "-")
     for path in named:
         if named.count(path) > 1:
             raise InputError(f"{path}: is named for two outputs")
-    return named
+    check_places(named, [*inputs, options.camera.file, options.poses, options.stereo], options.kb)
 
 
 def _write_all(
@@ -254,7 +256,7 @@ def _of_sequence(inputs: Sequence[str], options: Perceiving, say: Say, write: Sa
     for key in ("report", "picture", "timings"):
         if getattr(options, key):
             raise InputError(f"--{key}: is made of one frame; give one INPUT, or leave it out")
-    check_places(_places(options))
+    _check_places(options, inputs)
     kb = kb_of(options.kb)
     _tell_of(kb, options.kb, say)
     if observes(kb.rules):

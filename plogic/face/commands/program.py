@@ -3,6 +3,7 @@
 import json
 from collections.abc import Callable, Sequence
 from dataclasses import asdict, replace
+from pathlib import Path
 
 from plogic.base.errors import InputError
 from plogic.face.shown.printed import written
@@ -49,7 +50,10 @@ def program_command(
 def report_command(interpretation: str, out: str, *, say: Callable[[str], None], write: Callable[[str], None]) -> None:
     """Write the page; `-` is stdout."""
     from plogic.face.pages.one_file import page
+    from sensing.files.whole_files import check_places
 
+    if out != "-":
+        check_places([Path(out)], [interpretation])
     written(page(read_interpretation(interpretation)), out, say=say, write=write)
 
 

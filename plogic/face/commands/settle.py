@@ -6,7 +6,7 @@ from pathlib import Path
 from plogic.base.errors import InputError
 from plogic.face.python.interpretation import Interpretation
 from plogic.run.settling import SettledWorld
-from sensing.files.whole_files import write_whole
+from sensing.files.whole_files import check_places, write_whole
 
 
 def settle_command(source: str, worlds: int, picture: Path | None, *, drop: bool, as_json: bool) -> str:
@@ -16,6 +16,8 @@ def settle_command(source: str, worlds: int, picture: Path | None, *, drop: bool
         InputError: there is no physics, nobody knows which way is up, or nothing to draw.
         InterpretationError: it is no interpretation.
     """
+    if picture is not None:
+        check_places([picture], [source])
     asked = Interpretation.load(source)
     found = asked.settle(worlds, drop=drop)
     if picture is not None:

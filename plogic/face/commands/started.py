@@ -18,15 +18,26 @@ OBJECTS = 10_000
 def main() -> None:
     """Run ``plogic``; the module of the command line, which stands above all floors, is found by its name."""
     gc.set_threshold(OBJECTS)
-    told = hidden((*PACKAGES, COMMAND))
-    if told is not None:
-        sys.exit(f"plogic: {told.encode('unicode_escape').decode()}")  # what prints else may be what is hidden
     try:
+        told = hidden((*PACKAGES, COMMAND)) or _nowhere()
+        if told is not None:
+            sys.exit(f"plogic: {told.encode('unicode_escape').decode()}")  # what prints else may be what is hidden
         command = import_module(COMMAND)
     except ImportError as error:
         _without(error)
+    except KeyboardInterrupt:  # later ones are the command's
+        sys.exit("Aborted!")
     else:
         command.main()
+
+
+def _nowhere() -> str | None:
+    """What is said where the working folder is gone."""
+    try:
+        os.getcwd()  # noqa: PTH109 - pathlib takes 10 ms to import
+    except OSError as error:
+        return f"the working folder cannot be used ({error.strerror}): go to another one"
+    return None
 
 
 def _without(error: ImportError) -> NoReturn:

@@ -9,7 +9,9 @@ from pathlib import Path
 from prompt_toolkit import PromptSession
 from prompt_toolkit.completion import CompleteEvent, Completer, Completion, PathCompleter
 from prompt_toolkit.document import Document
-from prompt_toolkit.history import FileHistory
+from prompt_toolkit.history import FileHistory, InMemoryHistory
+from prompt_toolkit.key_binding import KeyBindings
+from prompt_toolkit.keys import Keys
 from prompt_toolkit.shortcuts import CompleteStyle
 
 from geometry.errors import PlogicError
@@ -18,10 +20,16 @@ from plogic.face.session.session import Session
 from plogic.face.session.verbs import SYNONYMS, VERBS, attempted, is_end, shown
 
 
-def history_file() -> Path:
-    """``$XDG_STATE_HOME/plogic/history``, or ``~/.local/state/plogic/history`` where that is no absolute path."""
+def history_file() -> Path | None:
+    """``$XDG_STATE_HOME/plogic/history``, or ``~/.local/state/plogic/history`` where that is no absolute path.
+
+    None where nobody knows the user's home.
+    """
     state = os.environ.get("XDG_STATE_HOME", "")
-    return (Path(state) if Path(state).is_absolute() else Path.home() / ".local" / "state") / "plogic" / "history"
+    try:
+        return (Path(state) if Path(state).is_absolute() else Path.home() / ".local" / "state") / "plogic" / "history"
+    except RuntimeError:
+        return None
 
 
 class History(FileHistory):
@@ -138,8 +146,12 @@ def _inside(argument: str) -> bool:
 def run_prompt(session: Session, write: Callable[[str], None], say: Callable[[str], None]) -> int:
     """Read and do lines until the user ends the session; the exit code is 0 whatever went wrong in between."""
     write(f"{session.greeting()}; `help` lists the verbs, Ctrl-D ends the session")
+    kept = history_file()
+    if kept is None:
+        say("the history is not kept: nobody knows your home; set HOME or XDG_STATE_HOME")
     prompt: PromptSession[str] = PromptSession(
-        history=History(history_file(), say),
+        history=InMemoryHistory() if kept is None else History(kept, say),
+        key_bindings=_keys(),
         completer=GoalCompleter(session),
         complete_while_typing=False,
         complete_style=CompleteStyle.COLUMN,
@@ -157,6 +169,13 @@ def run_prompt(session: Session, write: Callable[[str], None], say: Callable[[st
             _do(session, line, write, say)
         except KeyboardInterrupt:
             say("interrupted; what was observed is as it was")
+
+
+def _keys() -> KeyBindings:
+    """What prompt_toolkit takes for a mouse, and fails over, is passed over: a colour that is pasted, say."""
+    keys = KeyBindings()
+    keys.add(Keys.Vt100MouseEvent)(lambda _: None)
+    return keys
 
 
 def _prompt(session: Session) -> str:

@@ -16,6 +16,7 @@ The order of observations changes nothing, and taking one back restores every by
 from pathlib import Path
 from typing import Self, TypeVar
 
+from geometry.files.plain_files import fault_of
 from plogic.base.errors import InconsistentError, InputError, ProgramError
 from plogic.face.session import results
 from plogic.face.session.blocks import Result
@@ -170,13 +171,13 @@ class Session:
 
         Raises InputError for a file that is there and no saved session, and for a line that cannot be written as one.
         """
-        path = Path(path).expanduser()
+        path = _place(path)
         broken = next((line for line in self._lines if not line.isprintable()), None)
         if broken is not None:
             raise InputError(
                 f"{path}: {broken!r} holds a line break or the like and cannot be a line of a saved session"
             )
-        if path.is_file() and not path.read_bytes().startswith(SCRIPT.encode()):
+        if fault_of(path) is None and not path.read_bytes().startswith(SCRIPT.encode()):
             raise InputError(f"{path}: is there already and is no saved session; choose another name")
         write_whole(path, "\n".join([SCRIPT, *self._lines, ""]).encode())
         return results.Saved(str(path), self._lines)
@@ -186,7 +187,7 @@ class Session:
 
         The first that fails is told with its number (InputError), and those before it stay done.
         """
-        path = Path(path).expanduser()
+        path = _place(path)
         return replayed(self, str(path), program_text_of(str(path)))
 
     @property
@@ -240,6 +241,14 @@ class Session:
     def _done(self, verb: str, argument: str | None, result: _R) -> _R:
         self._lines = (*self._lines, verb if argument is None else f"{verb} {one_line(argument)}")
         return result
+
+
+def _place(path: str | Path) -> Path:
+    """The path, with ``~`` as a shell reads it. Raises InputError where nobody knows that home."""
+    try:
+        return Path(path).expanduser()
+    except RuntimeError:
+        raise InputError(f"{path}: nobody knows that home folder; name the whole path") from None
 
 
 def _beside(now: tuple[Answer, ...], before: tuple[Answer, ...], stopped: Stopped) -> tuple[results.Prediction, ...]:

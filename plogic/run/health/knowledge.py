@@ -5,7 +5,7 @@ from pathlib import Path
 
 from geometry.errors import PlogicError
 from geometry.files.begun import left_in
-from kb.files.changes import holder, is_changing, settle
+from kb.files.changes import LOCK, NO_LOCK, has_no_lock, holder, is_changing, settle
 from plogic.run.health.findings import REPAIRS, Finding, counted
 from plogic.run.health.remains import removed
 from plogic.run.sources import kb_folder, kb_of
@@ -37,13 +37,20 @@ def unfinished(folder: Path) -> list[Path]:
     real = folder.resolve()
     beside = [path for path in left_in(real.parent) if path.name.startswith(f".{real.name}.")]
     inside = [folder, folder / "objects", *sorted(folder.glob("objects/[!.]*"))]
-    return [*beside, *(path for place in inside for path in left_in(place))]
+    return [*beside, *(path for place in inside if _is_in(place, real) for path in left_in(place))]
+
+
+def _is_in(place: Path, real: Path) -> bool:
+    """Whether a folder of a knowledge base lies in it, and is no link that leads elsewhere."""
+    return place.resolve().is_relative_to(real)
 
 
 def _writes(area: str, folder: Path, *, fix: bool) -> Iterator[Finding]:
     """Who is changing it, a change that was cut short, and what else is left of killed writers."""
     who = holder(folder)
-    if who is not None:
+    if has_no_lock(folder):
+        yield Finding(area, "lock", "wrong", f"{folder / LOCK} {NO_LOCK}", "remove it by hand")
+    elif who is not None:
         yield Finding(area, "lock", "note", f"process {who} is changing it", "wait until it has ended")
     elif is_changing(folder):
         told = "a change is in force, and was cut short before all its files were at their places"

@@ -22,7 +22,8 @@ def caches(*, fix: bool) -> Iterator[Finding]:
     if top is None:
         yield Finding(CACHES, "folder", "note", "nobody knows your home: nothing is kept", "set HOME or XDG_CACHE_HOME")
         return
-    folders = sorted(path for path in top.iterdir() if path.is_dir()) if top.is_dir() else []
+    inside = sorted(top.iterdir()) if top.is_dir() else []
+    folders = [path for path in inside if path.is_dir() and not path.is_symlink()]
     if not folders:
         yield Finding(CACHES, str(top), "fine", "is empty")
     for folder in folders:

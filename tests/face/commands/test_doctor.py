@@ -141,8 +141,8 @@ def test_a_torn_cloud_and_what_was_begun_and_left(tmp_path, here):
     (folder / f"{'a' * 64}.npz").write_bytes(b"PK\3\4 torn")
     (folder / "of somebody else").write_bytes(b"")
     with folder_beside(folder / "place") as used:
-        (folder / ".some.plogic-abcdefgh").mkdir()
-        (folder / ".other.plogic-abcdefgh").write_bytes(b"")
+        (folder / ".some.plogic-begun-abcdefgh").mkdir()
+        (folder / ".other.plogic-begun-abcdefgh").write_bytes(b"")
         done = plogic("doctor", **here)
         assert "WRONG     clouds: 1 damaged of 1 entry, 9 bytes" in done.stdout
         assert "note      clouds: 2 entries begun in" in done.stdout
@@ -170,7 +170,7 @@ def test_scratch_of_killed_processes_is_told_and_swept(tmp_path, here, monkeypat
     monkeypatch.setattr("tempfile.tempdir", str(tmp_path / "scratch"))
     (tmp_path / "scratch/plogic-mine").mkdir()
     with scratch() as used:
-        (tmp_path / "scratch/.scratch.plogic-abcdefgh").mkdir()
+        (tmp_path / "scratch/.scratch.plogic-begun-abcdefgh").mkdir()
         row = found(status=0, **here)["scratch", "folders"]
         assert (row["state"], row["told"][:40]) == ("note", "1 folder left by processes that were kil")
         assert found("--fix", status=0, **here)["scratch", "folders"]["state"] == "repaired"
@@ -189,12 +189,12 @@ def test_a_broken_knowledge_base_tells_its_mistakes(tmp_path, here):
 def test_what_a_killed_writer_left_in_a_knowledge_base(tmp_path, here):
     kb = write_small(tmp_path / "kb")
     left = [
-        tmp_path / ".kb.plogic-abcdefgh",
-        kb / ".kb.yaml.plogic-abcdefg1",
-        kb / "objects/.mug.plogic-abcdefgh",
-        kb / "objects/tent/.cloud.npz.plogic-abc_efgh",
+        tmp_path / ".kb.plogic-begun-abcdefgh",
+        kb / ".kb.yaml.plogic-begun-abcdefg1",
+        kb / "objects/.mug.plogic-begun-abcdefgh",
+        kb / "objects/tent/.cloud.npz.plogic-begun-abc_efgh",
     ]
-    others = kb / ".git", tmp_path / ".kb2.plogic-abcdefgh", kb / ".notes.txt"
+    others = kb / ".git", tmp_path / ".kb2.plogic-begun-abcdefgh", kb / ".notes.txt"
     for path in (*left, *others):
         path.mkdir()
     area = f"knowledge base {kb}", "unfinished writes"

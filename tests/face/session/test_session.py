@@ -8,6 +8,7 @@ import math
 import pytest
 from situations import towers
 
+from geometry.errors import PlogicError
 from plogic.base.errors import InconsistentError, InputError, LimitError, ProgramError
 from plogic.face.python.sessions import Session as Opened
 from plogic.face.session.session import Session
@@ -268,3 +269,25 @@ def test_a_number_of_explanations(session, tmp_path):
     assert counts == [1, 2]
     (tmp_path / "is.txt").write_text("why 5 is 2 + 3\n")
     assert session.load(tmp_path / "is.txt").results[0].account.probability == 1.0
+
+
+@pytest.mark.parametrize(
+    ("text", "wrong"),
+    [
+        ("% A session\nsave {}/new\n", r"s\.txt:2: a saved session saves nothing"),
+        ("load {}/s.txt\n", r"s\.txt:1: a saved session loads nothing"),
+        ("help\n" * 1001, r"s\.txt: has 1001 lines, more than the 1000 that are done"),
+    ],
+)
+def test_a_strangers_session_writes_nothing_and_ends(session, tmp_path, text, wrong):
+    (tmp_path / "s.txt").write_text(text.format(tmp_path))
+    with pytest.raises(InputError, match=wrong):
+        session.load(tmp_path / "s.txt")
+    assert [path.name for path in tmp_path.iterdir()] == ["s.txt"]
+
+
+@pytest.mark.parametrize(("place", "wrong"), [("~nosuch/x", "nobody knows that home"), ("a" * 300, "name")])
+def test_a_place_that_cannot_be_is_a_mistake(session, place, wrong):
+    for verb in (session.save, session.load):
+        with pytest.raises(PlogicError, match=wrong):
+            verb(place)

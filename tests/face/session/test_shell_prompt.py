@@ -2,8 +2,12 @@
 
 from __future__ import annotations
 
+from pathlib import Path
+
 import pytest
 from terminal import Terminal
+
+from plogic.face.session.prompt import history_file
 
 PROMPT = r"plogic>"
 
@@ -99,3 +103,22 @@ def test_ctrl_c_stops_the_question_and_not_the_shell(shell, tmp_path):
     terminal.wait(r"1 +0\.300 +rain[\s\S]*plogic")
     terminal.type("\x04")
     assert terminal.end() == 0
+
+
+def test_a_colour_that_is_pasted_is_no_mouse(shell, rain):
+    terminal = shell(rain)
+    terminal.wait(PROMPT)
+    terminal.type("\x1b[31mrain\r")
+    terminal.wait(r"0\.300 +rain[\s\S]*plogic>")
+    assert "Traceback" not in terminal.screen
+    terminal.type("\x04")
+    assert terminal.end() == 0
+
+
+def test_no_home_is_no_reason_to_end(monkeypatch):
+    def nobody():
+        raise RuntimeError("Could not determine home directory.")
+
+    monkeypatch.delenv("XDG_STATE_HOME", raising=False)
+    monkeypatch.setattr(Path, "home", nobody)
+    assert history_file() is None

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import shutil
 
 import pytest
@@ -143,3 +144,29 @@ def test_what_a_writer_began_is_swept_by_the_next(small):
     with writing(root):
         assert not begun.exists()
     assert read_kb(root).digest == old
+
+
+@pytest.mark.parametrize("kind", ["another name", "link", "folder", "pipe"])
+def test_what_stands_in_the_place_of_the_lock_is_not_written_over(small, tmp_path, kind):
+    root, digest, _ = small
+    (tmp_path / "mine").write_text("mine")
+    lock = root / LOCK
+    {
+        "another name": lambda: lock.hardlink_to(tmp_path / "mine"),
+        "link": lambda: lock.symlink_to(tmp_path / "mine"),
+        "folder": lock.mkdir,
+        "pipe": lambda: os.mkfifo(lock),
+    }[kind]()
+    with pytest.raises(KBError, match=r"\.plogic-lock: is no lock that plogic made"), writing(root):
+        pass
+    assert read_kb(root).digest == digest
+    assert (tmp_path / "mine").read_text() == "mine"
+
+
+def test_a_change_that_no_writer_left_harms_nothing(small):
+    root, digest, _ = small
+    (root / CHANGE).mkdir()
+    (root / CHANGE / "objects").write_text("a file where the folder is")
+    settle(root)
+    assert not (root / CHANGE).exists()
+    assert read_kb(root).digest == digest

@@ -3,12 +3,15 @@
 from __future__ import annotations
 
 import os
+import subprocess
+import sys
+from pathlib import Path
 from threading import Thread
 
 import pytest
 
 from sensing.errors import SensingError
-from sensing.files.whole_files import check_places, write_files, write_whole
+from sensing.files.whole_files import check_places, write_files, write_folder, write_whole
 
 
 def test_a_link_stays_and_what_it_leads_to_is_written(tmp_path):
@@ -39,3 +42,39 @@ def test_a_full_device_is_told_and_no_other_file_is_written(tmp_path):
         write_files({tmp_path / "other": b"x", full: b"x"})
     assert [p.name for p in tmp_path.iterdir()] == ["full"]
     assert full.is_char_device()
+
+
+@pytest.mark.parametrize("name", ["/dev/stdout", "/dev/fd/1", "/proc/self/fd/1"])
+def test_what_is_open_already_is_gone_on_with_be_it_a_file(tmp_path, name):
+    (tmp_path / "log").write_text("before\n")
+    code = f"from pathlib import Path; from sensing.files.whole_files import write_whole; write_whole(Path({name!r}), b'whole')"
+    with (tmp_path / "log").open("a") as log:
+        subprocess.run([sys.executable, "-c", code], stdout=log, check=True)
+    assert (tmp_path / "log").read_text() == "before\nwhole"
+
+
+def test_no_place_is_what_is_read_or_belongs_to_the_knowledge_base(tmp_path):
+    (tmp_path / "kb").mkdir()
+    for name in ("read.json", "kb/kb.yaml"):
+        (tmp_path / name).write_text("mine")
+    (tmp_path / "link").symlink_to("read.json")
+    for place in ("read.json", "link"):
+        with pytest.raises(SensingError, match="is what is read"):
+            check_places([tmp_path / place], [None, "no such file", tmp_path / "read.json"])
+    with pytest.raises(SensingError, match="belongs to the knowledge base"):
+        check_places([tmp_path / "kb/kb.yaml"], kb=str(tmp_path / "kb"))
+    check_places([tmp_path / "kb/page.html", tmp_path / "new.json"], ["read.json"], str(tmp_path / "kb"))
+
+
+def test_the_working_folder_may_be_the_new_one(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    write_folder(Path(), {"a": b"1", "deep/b": b"2"}, empty=["c"])
+    assert sorted(path.name for path in Path().iterdir()) == ["a", "c", "deep"]
+    with pytest.raises(SensingError, match="not an empty folder"):
+        write_folder(Path(), {"d": b""})
+
+
+def test_a_link_that_leads_nowhere_is_no_place_for_a_folder(tmp_path):
+    (tmp_path / "link").symlink_to("nowhere")
+    with pytest.raises(SensingError, match="exists already"):
+        write_folder(tmp_path / "link", {"a": b""})
