@@ -9,7 +9,7 @@ import numpy as np
 from benchmarks.clutter.pairs import refined, typed
 from benchmarks.clutter.scenes import PIXELS
 from benchmarks.shared.processor import processor_seconds
-from plogic.match.plain.plain_models import annealed
+from plogic.match.plain.plain_models import annealed, setting_of
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -39,7 +39,7 @@ def soft_posit(kb: KnowledgeBase, gamma: Gamma, budget_seconds: float) -> Answer
         for pairs in kinds:
             if processor_seconds() > end:
                 break
-            found = annealed(pairs, xy, rng, _depths(pairs, gamma.camera.f), noise=kb.rates.sigma, f=gamma.camera.f)
+            found = annealed(pairs, xy, rng, _depths(pairs, gamma.camera.f), setting_of(kb, gamma.camera))
             for i in np.flatnonzero(found.converged):
                 worth = int(found.count[i]), -float(found.error[i])
                 if best is None or worth > best[0]:

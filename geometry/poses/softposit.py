@@ -26,6 +26,7 @@ Source: David et al. 2004 (formalism §6.2), random-start SoftPOSIT: a local min
 the match count tells.
 """
 
+from collections.abc import Callable
 from dataclasses import dataclass, fields
 
 import numpy as np
@@ -127,6 +128,7 @@ def softposit(
     *,
     allowed: ArrayLike | None = None,
     annealing: Annealing | None = None,
+    check: Callable[[], None] | None = None,
 ) -> SoftPositResult:
     """Poses from `points` (N, 3) m, object frame, some seen among `xy` (M, 2) = x/z, y/z, each from one of K starts.
 
@@ -138,7 +140,8 @@ def softposit(
     pose. Each ends as if it
     were alone. Work: about 160 steps of up to 60 normalisations of P pairs, so types save time, and many starts at once
         take less than one by one.
-    Memory: some ten arrays of max(P, 50,000) doubles, so P = N M beyond 10^7 is not for it.
+    Memory: some ten arrays of max(P, 50,000) doubles, so P = N M beyond 10^7 is not for it. `check` is called before
+        each step, and may raise to end it.
 
     Raises:
         GeometryError: where the shapes do not fit, a point is not finite, the model has no size, or the schedule does
@@ -149,7 +152,7 @@ def softposit(
     if starts.ndim != 3:
         raise GeometryError(f"start must have the shape (K, 4, 4), not {starts.shape}")
     at_once = max(1, BLOCK // max(1, len(problem.pairs)))
-    parts = [_annealed(problem, starts[i : i + at_once]) for i in range(0, max(1, len(starts)), at_once)]
+    parts = [_annealed(problem, starts[i : i + at_once], check) for i in range(0, max(1, len(starts)), at_once)]
     return joined(parts)
 
 
@@ -196,12 +199,14 @@ def _problem(points: ArrayLike, xy: ArrayLike, allowed: ArrayLike | None, anneal
     )
 
 
-def _annealed(problem: _Problem, starts: Floats) -> SoftPositResult:
+def _annealed(problem: _Problem, starts: Floats, check: Callable[[], None] | None) -> SoftPositResult:
     """The whole way of one block of starts (K, 4, 4)."""
     setting = problem.annealing
     ends, sound = _from_poses(problem, starts)
     which, beta, step = np.nonzero(sound)[0], setting.beta, 0
     while len(which) and beta <= setting.beta_final:
+        if check is not None:
+            check()
         state, offset, fixed = _step(problem, ends.of(which), beta)
         ends.put(which, state)
         sound[which] = fixed

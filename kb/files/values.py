@@ -205,8 +205,12 @@ Range = Annotated[
     BeforeValidator(_range),
     WithJsonSchema({"type": "array", "minItems": 2, "maxItems": 2, "items": _MEASURE}),
 ]
+LEAST = 1e-8
+"""A chance that is nearer to 0 or 1 counts as this one (``plogic.base.bounds``)."""
 Share = Annotated[
-    float, _number_that(lambda x: 0 < x < 1, "above 0 and below 1"), WithJsonSchema({**_OPEN, "exclusiveMaximum": 1})
+    float,
+    _number_that(lambda x: LEAST <= x <= 1 - LEAST, f"above 0 and below 1, by {LEAST:g} at least"),
+    WithJsonSchema({"type": "number", "minimum": LEAST, "maximum": 1 - LEAST}),
 ]
 Chance = Annotated[
     float, _number_that(lambda x: 0 < x <= 1, "above 0 and at most 1"), WithJsonSchema({**_OPEN, "maximum": 1})

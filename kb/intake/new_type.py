@@ -59,7 +59,9 @@ def proposal(extent: NDArray[np.float64]) -> str:
     longest = float(extent.max())
     sizes = ", ".join(f"{_metres(longest * LENGTHS[unit])} in {unit}" for unit in ASKED)
     box = " x ".join(f"{side:.4g}" for side in extent)
-    return f"the mesh measures {box} units, its longest side being {sizes}: probably --units {likely_unit(longest)}"
+    likely = likely_unit(longest)
+    told = f"probably --units {likely}" if SMALLEST <= longest * LENGTHS[likely] <= LARGEST else "was the mesh scaled?"
+    return f"the mesh measures {box} units, its longest side being {sizes}: {told}"
 
 
 def _metres(size: float) -> str:

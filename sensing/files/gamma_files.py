@@ -13,6 +13,8 @@ from collections.abc import Collection
 from pathlib import Path
 from typing import Annotated, Any, Literal, NotRequired, TypedDict, cast
 
+import numpy as np
+
 from geometry.camera import Camera, camera_from_dict, camera_mistakes, camera_to_dict
 from geometry.camera_row import CameraRow
 from geometry.errors import Mistake
@@ -121,15 +123,21 @@ def appearance_to_dict(appearance: Appearance, *, described: bool = True) -> dic
     Optional ones only where there is a value, its descriptor only where it is to be ``described``.
     """
     a = appearance
-    keys: dict[str, Any] = {"id": a.id, "type": a.type, "uv": list(a.uv)}
-    keys |= {key: told for key in ("detector", "angle", "scale", "score") if (told := getattr(a, key)) is not None}
+    keys: dict[str, Any] = {"id": a.id, "type": a.type, "uv": [_plain(x) for x in a.uv]}
+    told = {key: getattr(a, key) for key in ("detector", "angle", "scale", "score")}
+    keys |= {key: _plain(value) for key, value in told.items() if value is not None}
     if a.arms:
-        keys["arms"] = list(a.arms)
+        keys["arms"] = [_plain(x) for x in a.arms]
     if a.depth is not None:
-        keys |= {"depth": a.depth, "depth_sigma": a.depth_sigma}
+        keys |= {"depth": _plain(a.depth), "depth_sigma": _plain(a.depth_sigma)}
     if described and a.descriptor is not None:
         keys["descriptor"] = base64.b64encode(a.descriptor).decode()
     return keys
+
+
+def _plain(value: object) -> object:
+    """Python's own number for one of numpy's."""
+    return value.item() if isinstance(value, np.generic) else value
 
 
 def write_gamma(gamma: Gamma, path: str | Path) -> None:

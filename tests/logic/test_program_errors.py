@@ -22,6 +22,17 @@ def asked(*texts, goals=()):
     return serve({"texts": items, "goals": list(goals), "given": [], "names": None})["answers"]
 
 
+@pytest.mark.parametrize("label", ["1e-16", "1.0e-300", "0.00000000000000000001"])
+def test_a_label_that_problog_would_read_as_none_is_told(label):
+    for text in (f"{label}::rare. query(rare).", f"0.3::a; {label}::rare. query(a)."):
+        assert f"{label} is 0 to ProbLog" in told(ProgramError, text)
+
+
+@pytest.mark.parametrize("label", ["0.0", "0", "1e-15", "0.0e5"])
+def test_a_label_of_nothing_is_one(label):
+    assert asked(f"{label}::a. 0.5::b. query(b).")
+
+
 def told(kind, *texts, goals=()):
     with pytest.raises(kind) as caught:
         asked(*texts, goals=goals)

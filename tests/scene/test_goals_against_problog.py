@@ -139,6 +139,26 @@ def test_impossible_evidence_changes_nothing():
     assert live.marginals()["t1"] == (1.0, 1.0)
 
 
+@pytest.mark.parametrize(
+    ("given", "told"),
+    [
+        (["present(t2)", "present(t9)"], r"; present\(t9\) alone is impossible$"),
+        (
+            ["present(t2)", "present(t1)", "\\+ present(t2)"],
+            r"; present\(t2\) and \\\+ present\(t2\) exclude each other$",
+        ),
+    ],
+)
+def test_which_evidence_is_impossible_is_told(given, told):
+    *before, last = given
+    live = LiveScene(towers("posterior"))
+    for goal in before:
+        live.observe(goal)
+    for ask in (lambda: live.observe(last), lambda: scene_answers(towers("posterior"), ["present(H)"], given)):
+        with pytest.raises(InconsistentError, match=told):
+            ask()
+
+
 @pytest.mark.parametrize("goal", ["hit(t1, F)", "present(t1), hit(t1, _)", "present(H), pick(H, F)"])
 def test_what_the_graph_has_summed_out_is_outside(goal):
     with pytest.raises(OutsideError):

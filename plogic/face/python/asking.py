@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import Self
 
 from plogic.base.errors import InputError, InterpretationError, LimitError
+from plogic.face.python.arguments import count, seconds, text, texts
 from plogic.face.session.account_text import account_text
 from plogic.face.session.blocks import Block, Lines, Result
 from plogic.face.session.minds import ranked
@@ -69,7 +70,10 @@ class Asked:
         Raises:
             Error: naming file, line and column where the goal or the program cannot be used.
         """
-        subject, evidence = self.about(goal).beside(rules), literals(given)
+        if goal is not None:
+            text("goal", goal)
+        evidence, deadline = texts("given", given), seconds("deadline", deadline)
+        subject = self.about(goal).beside(rules)
         goal = goal if goal is not None or isinstance(subject, Text) else "present(H)"
         if deadline is None:
             found, exact = answers(subject, goal, given=evidence, limits=self.limits), True
@@ -96,7 +100,8 @@ class Asked:
         Raises:
             Error: where evidence cannot be used or leaves no world.
         """
-        return ranked(self.beside(rules), n, literals(given), self.limits, deadline)[0]
+        evidence, end = texts("given", given), seconds("deadline", deadline)
+        return ranked(self.beside(rules), count("n", n), evidence, self.limits, end)[0]
 
     def explain(
         self,
@@ -117,7 +122,8 @@ class Asked:
         Raises:
             Error: as ``query``.
         """
-        subject, evidence = self.about(goal).beside(rules), literals(given)
+        evidence, n = texts("given", given), None if n is None else count("n", n)
+        subject = self.about(text("goal", goal)).beside(rules)
         summary = present(subject, goal, given=evidence) if n is None else None
 
         def whole() -> Account:
@@ -190,11 +196,6 @@ class Program(Asked):
 
     def __hash__(self) -> int:
         return hash(self.text)
-
-
-def literals(given: str | Sequence[str]) -> tuple[str, ...]:
-    """One literal, or several."""
-    return (given,) if isinstance(given, str) else tuple(given)
 
 
 def opened(

@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 
 from kb.clouds.words import is_word
 from plogic.base.errors import InputError
+from plogic.face.python.arguments import count
 from plogic.face.python.asking import Asked, Program
 from plogic.face.session.blocks import Block, Column, Lines, Result, Rows, Table
 from plogic.face.session.results import World, Worlds
@@ -299,7 +300,7 @@ class Interpretation(Asked, Result):
         from plogic.face.python.settled import Settled
         from plogic.run.settling import settled
 
-        return Settled(settled(self._document, worlds, drop=drop))
+        return Settled(settled(self._document, count("worlds", worlds), drop=drop))
 
     def program(self) -> Program:
         """Return the ProbLog program with its queries.

@@ -1,6 +1,5 @@
 """``perceive`` and ``detect``: from an image or Γ to an interpretation."""
 
-from math import isnan
 from pathlib import Path
 from time import monotonic
 from typing import get_args
@@ -12,6 +11,7 @@ from geometry.camera import Camera
 from plogic.base.clock import Stopwatch
 from plogic.base.errors import InputError
 from plogic.cycle.delta import Options
+from plogic.face.python.arguments import seconds, share
 from plogic.face.python.interpretation import Interpretation
 from plogic.face.python.knowledge import KnowledgeBase
 from plogic.face.python.pictures import Gamma, Image, shot_for
@@ -64,13 +64,13 @@ def perceive(  # noqa: PLR0913 - the options of the command
     Raises:
         Error: where any of these cannot be used.
     """
-    _check(reading, reconsider, dv_over, smoothing, deadline)
-
+    _check(reading, reconsider, dv_over)
+    smoothing, deadline = share("smoothing", smoothing, 0.5), seconds("deadline", deadline)
     kb = _kb(kb)
     gamma, image = _gamma(source, kb, camera)
     perceiver = kb.perceiver(generator)
     end = None if deadline is None else monotonic() + deadline
-    document = perceiver(gamma, Options(reading, reconsider, float(smoothing), end, dv_over), image)
+    document = perceiver(gamma, Options(reading, reconsider, smoothing, end, dv_over), image)
     return Interpretation(document, image=image)
 
 
@@ -83,15 +83,14 @@ def _gamma(
 ) -> tuple[appearance.Gamma, NDArray[np.uint8] | None]:
     """Γ, and the image where there is one."""
     if isinstance(source, appearance.Gamma):
-        gamma_from_dict(gamma_to_dict(source), "gamma", kb.appearance_types)  # raises with every mistake
-        return source, None
+        return gamma_from_dict(gamma_to_dict(source), "gamma", kb.appearance_types), None
     if isinstance(source, (str, Path)) and is_gamma(str(source)):
         return read_gamma(source, kb.appearance_types), None
     shot = shot_for(source, camera, 4)
     return detected(shot.image, shot.camera, kb.sigma, Stopwatch()), shot.image
 
 
-def _check(reading: str, reconsider: str, dv_over: str, smoothing: float, deadline: float | None) -> None:
+def _check(reading: str, reconsider: str, dv_over: str) -> None:
     """Raise InputError where an option has a value that it cannot have."""
     for name, value, known in (
         ("reading", reading, get_args(Reading)),
@@ -100,7 +99,3 @@ def _check(reading: str, reconsider: str, dv_over: str, smoothing: float, deadli
     ):
         if value not in known:
             raise InputError(f"{name}: {value!r:.60} should be one of {', '.join(known)}")
-    if not 0.0 <= smoothing < 0.5:
-        raise InputError(f"smoothing: {smoothing!r:.60} should be at least 0 and below 0.5")
-    if deadline is not None and (isnan(deadline) or deadline <= 0.0):
-        raise InputError(f"deadline: {deadline!r:.60} should be a number of seconds above 0")

@@ -181,7 +181,13 @@ def pixels_of(image: Image) -> NDArray[np.uint8]:
 
     if isinstance(image, (str, Path)):
         return read_image(image)
-    if not isinstance(image, np.ndarray) or image.dtype != np.uint8 or image.ndim != 3 or image.shape[2] != 3:
+    if (
+        not isinstance(image, np.ndarray)
+        or image.dtype != np.uint8
+        or image.ndim != 3
+        or image.shape[2] != 3
+        or not image.size
+    ):
         raise ImageError(
             f"an image must be a file, or an array (H, W, 3) of uint8, blue first, not {_described(image)}"
         )

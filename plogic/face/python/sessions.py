@@ -3,6 +3,7 @@
 from pathlib import Path
 from typing import Self
 
+from plogic.base.errors import InputError
 from plogic.face.python.asking import Asked, opened
 from plogic.face.session import session
 from plogic.facts.situation import Reading
@@ -12,7 +13,9 @@ class Session(session.Session):
     """A session about an interpretation or a program: what is observed stays, and is taken back."""
 
     def __init__(self, about: Asked, *, rules: str | Path | None = None) -> None:
-        """Begin with nothing observed; ``rules``: a file of rules of one's own."""
+        """Begin with nothing observed; ``rules``: a file of rules of one's own. Raises Error for anything else."""
+        if not isinstance(about, Asked):
+            raise InputError(f"a session is about an interpretation or a program, not {about!r:.60}")
         super().__init__(about.beside(rules), limits=about.limits)
 
     @classmethod

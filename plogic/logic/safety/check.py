@@ -241,7 +241,7 @@ class _Checker:
             return
         for head in found:
             self.head(head)
-        for term, reason in labels.mistaken(found):
+        for term, reason in labels.mistaken(found, self.source.text):
             self.note(ProgramError, term, reason)
         if isinstance(statement, (Clause, AnnotatedDisjunction)):
             self.goal(statement.body, 0)

@@ -1,5 +1,6 @@
 """Labels that are no probabilities, as they are written: numbers, alone or together, and what other tools ask for."""
 
+import re
 from collections.abc import Iterator
 from typing import Any
 
@@ -18,8 +19,15 @@ NOT_HERE = {
 """What labels that are no numbers are for, by their functors."""
 
 
-def mistaken(found: list[Any]) -> Iterator[tuple[Any, str]]:
-    """What is wrong with the labels of one statement's heads, with the term; what only a run can tell is left out."""
+_NUMBER = re.compile(r"[0-9.]*[1-9][0-9.]*(?:[eE][-+]?[0-9]+)?")
+"""One that is written with more than zeros."""
+
+
+def mistaken(found: list[Any], text: str) -> Iterator[tuple[Any, str]]:
+    """What is wrong with the labels of one statement's heads, with the term; what only a run can tell is left out.
+
+    ``text``: that of the program.
+    """
     labels = [(head, head.probability) for head in found if isinstance(head, Term) and head.probability is not None]
     numbers = [(head, label, number_of(label)) for head, label in labels]
     wrong = [
@@ -28,6 +36,10 @@ def mistaken(found: list[Any]) -> Iterator[tuple[Any, str]]:
         if (why := _wrong(label, value))
     ]
     yield from wrong
+    for _, label, value in numbers:
+        place = getattr(label, "location", None)
+        if value == 0.0 and place is not None and (written := _NUMBER.match(text, place[1])):
+            yield label, f"{written[0]} is 0 to ProbLog, which keeps 15 decimals: leave it out, or write 1e-15 or more"
     total = sum(value for _, _, value in numbers if value is not None)
     if not wrong and total > 1.0 + SLACK:
         yield found[0], adding_up(total)

@@ -252,6 +252,10 @@ def _told(request: dict[str, Any], limits: Limits, *, late: bool = True) -> str:
         told, over = child.rest(limits.seconds)
         if not over and (status := child.wait()) > 0 and not told:  # not by a signal, as where memory ran out
             said = (child.last_words().strip().splitlines() or [f"exit status {status}"])[-1]
+            if "alloc failed" in said:
+                raise errors.LimitError(
+                    f"the inference needs more memory than it may have: {limits.megabytes} MB, or what PLOGIC_MEMORY or ulimit say"
+                )
             raise errors.LimitError(f"the process of the inference could not work: {said[:300]}")
         ended = child.end()
     if over and not late:

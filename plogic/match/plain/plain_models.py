@@ -13,6 +13,7 @@ from typing import ClassVar, Self
 import numpy as np
 
 from geometry.arrays import Floats, Mask
+from geometry.camera import Camera
 from geometry.poses.softposit import Annealing, SoftPositResult, random_starts, softposit
 from kb.clouds.cloud import KnowledgeBase
 from plogic.base.clock import unhurried
@@ -43,7 +44,7 @@ def by_softposit(
 ) -> list[Floats]:
     """Poses (4, 4) of a type, best first; none where no start converges.
 
-    ``check`` is called between starts, and may raise to end the search.
+    ``check`` is called between steps, and may raise to end the search.
     """
     scene, camera = scene_of(index, data, kb), data.camera
     if (scene.pairs.numbers > 0).sum() < FEWEST:
@@ -52,23 +53,28 @@ def by_softposit(
     depth = camera.f * across / (LARGEST * camera.height), camera.f * across / SMALLEST
     poses = [np.zeros((0, 4, 4))]
     for _ in range(0, MOST, STARTS):
-        check()
-        found = annealed(scene.pairs, xy, rng, depth, noise=kb.rates.sigma, f=camera.f)
+        found = annealed(scene.pairs, xy, rng, depth, setting_of(kb, camera), check)
         poses.append(found.camera_from_object[found.converged])
     check()
     return extended(scene, np.concatenate(poses), PROPOSED)
 
 
-def annealed(
-    pairs: Typed, xy: Floats, rng: np.random.Generator, depth: tuple[float, float], *, noise: float, f: float
-) -> SoftPositResult:
-    """What SoftPOSIT makes of the next ``STARTS`` random starts, the object between two depths, m.
+def setting_of(kb: KnowledgeBase, camera: Camera) -> Annealing:
+    """How the starts are annealed, with the knowledge base's noise, and the camera's pixels."""
+    return Annealing(beta=BETA, noise=kb.rates.sigma, pixel=1.0 / camera.f)
 
-    ``noise`` and the focal length in pixels.
-    """
-    setting = Annealing(beta=BETA, noise=noise, pixel=1.0 / f)
+
+def annealed(
+    pairs: Typed,
+    xy: Floats,
+    rng: np.random.Generator,
+    depth: tuple[float, float],
+    setting: Annealing,
+    check: Callable[[], None] = unhurried,
+) -> SoftPositResult:
+    """What SoftPOSIT makes of the next ``STARTS`` random starts, the object between two depths, m."""
     start = random_starts(pairs.points, xy, STARTS, rng, depth=depth)
-    return softposit(pairs.points, xy, start, allowed=pairs.mask(len(xy)), annealing=setting)
+    return softposit(pairs.points, xy, start, allowed=pairs.mask(len(xy)), annealing=setting, check=check)
 
 
 PLAIN = {"quadruples": quadruples.proposals, "softposit": by_softposit}

@@ -12,12 +12,13 @@ what speaks of choices that the graph has summed out is refused (OutsideError), 
 """
 
 import time
-from collections.abc import Callable, Sequence
-from contextlib import suppress
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager, suppress
 from dataclasses import replace
+from itertools import combinations
 from typing import NamedTuple
 
-from plogic.base.errors import ProgramError, SituationError, UnknownPredicateError
+from plogic.base.errors import InconsistentError, ProgramError, SituationError, UnknownPredicateError
 from plogic.facts.hypothesis import Hypothesis
 from plogic.facts.sanity import check
 from plogic.facts.situation import Situation
@@ -33,6 +34,8 @@ from plogic.scene.text.program_text import added_to
 from plogic.scene.worlds.blame import blaming
 from plogic.scene.worlds.ranked_worlds import Ranking, listed_worlds, ranking_of, with_joint_causes
 
+TRIED = 2.0
+"""Seconds in which it is said which evidence is impossible."""
 Interval = tuple[float, float]
 Pairs = frozenset[tuple[str, str]]
 
@@ -177,9 +180,36 @@ class LiveScene:
         return self._meanings[key]
 
     def _posed(self, *goals: Meaning, seconds: float | None = None) -> _Posed:
-        with blaming(self.situation):
-            spoken = [*(self._meaning("", (goal,)) for goal in self.given), *goals]
+        def by(given: Sequence[str], *goals: Meaning) -> _Posed:
+            spoken = [*(self._meaning("", (goal,)) for goal in given), *goals]
             return posed(self.situation, spoken, _solver(self._memory, seconds))
+
+        with blaming(self.situation), _blaming_given(self.given, by, seconds):
+            return by(self.given, *goals)
+
+
+@contextmanager
+def _blaming_given(
+    given: Sequence[str], pose: Callable[[Sequence[str]], object], seconds: float | None
+) -> Iterator[None]:
+    """Within it, say which evidence is impossible: one piece alone, or two that exclude each other."""
+    try:
+        yield
+    except InconsistentError as error:
+        end = time.monotonic() + (TRIED if seconds is None else min(TRIED, seconds))
+        raise type(error)(f"{error}{_why(tuple(dict.fromkeys(given)), pose, end)}") from None
+
+
+def _why(given: Sequence[str], pose: Callable[[Sequence[str]], object], end: float) -> str:
+    for size, told in ((1, "alone is impossible"), (2, "exclude each other")):
+        for some in combinations(given, size):
+            if time.monotonic() > end:
+                return ""
+            try:
+                pose(some)
+            except InconsistentError:
+                return f"; {' and '.join(some)} {told}"
+    return ""
 
 
 def _solver(memory: Remembered, seconds: float | None) -> Callable[[FactorGraph], Beliefs]:
@@ -223,9 +253,14 @@ def scene_answers(
     check(situation)
     counts = [count_asked(situation, goal) for goal in goals]
     others = [goal for goal, count in zip(goals, counts, strict=True) if count is None]
-    meant = meaning(situation, others, given, limits=limits)
     solve = _solver(Remembered(), seconds)
-    scene, asked = posed(situation, [meant], solve)
+
+    def pose(some: Sequence[str], *goals: str) -> tuple[Meaning, _Posed]:
+        meant = meaning(situation, goals, some, limits=limits)
+        return meant, posed(situation, [meant], solve)
+
+    with _blaming_given(given, pose, seconds):
+        meant, (scene, asked) = pose(given, *others)
     found = iter(answers_of(meant, scene, asked) if others else ())
     return [next(found) if count is None else how_many(count, scene, solve) for count in counts]
 

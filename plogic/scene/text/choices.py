@@ -134,7 +134,9 @@ def rates(w: Writer) -> Iterator[str]:
     """``prior(t2, 0.5). hit_rate(corner, 0.8).``; a feature with another rate than its type has its own."""
     situation = w.scene.situation
     types = dict.fromkeys(h.type for h in situation.hypotheses) | dict.fromkeys(situation.types)
-    yield from (f"prior({w.atoms(name)}, {number(situation.priors.get(name, DEFAULT_PRIOR))})." for name in types)
+    yield from (
+        f"prior({w.atoms(name)}, {number(bounded(situation.priors.get(name, DEFAULT_PRIOR)))})." for name in types
+    )
     seen = [(h, f) for h in situation.hypotheses for f in h.features if h.expects(f)]
     of_type: dict[str, set[float]] = {name: {rate} for name, rate in situation.hit_rates.items()}
     for _, f in seen:

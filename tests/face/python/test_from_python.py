@@ -5,6 +5,7 @@ from __future__ import annotations
 import subprocess
 import sys
 import time
+from dataclasses import replace
 from pathlib import Path
 
 import cv2
@@ -99,6 +100,9 @@ def test_a_path_and_an_image_and_its_gamma_give_the_same(towers_picture):
         {"generator": "other"},
         {"deadline": 0},
         {"deadline": float("nan")},
+        {"deadline": "2"},
+        {"smoothing": "a"},
+        {"source": np.zeros((0, 0, 3), np.uint8), "camera": Camera.from_fov(4, 4, horizontal=60)},
     ],
     ids=str,
 )
@@ -107,6 +111,40 @@ def test_bad_input_raises_and_says_nothing(wrong, gamma_file, first, capfd):
         perceive(**({"source": gamma_file, "kb": first} | wrong))
     assert len(str(error.value).splitlines()) == 1
     assert capfd.readouterr() == ("", "")
+
+
+@pytest.mark.parametrize(
+    "ask",
+    [
+        lambda scene: scene.worlds(-1),
+        lambda scene: scene.worlds(2.5),
+        lambda scene: scene.worlds("3"),
+        lambda scene: scene.worlds(deadline=-5),
+        lambda scene: scene.query(5),
+        lambda scene: scene.query(given=5),
+        lambda scene: scene.query(given=["present(h1)", 5]),
+        lambda scene: scene.query(deadline=float("nan")),
+        lambda scene: scene.explain(None),
+        lambda scene: scene.explain("present(h1)", n=0),
+        lambda scene: scene.settle(-1),
+        lambda _: Session(5),
+    ],
+)
+def test_a_wrong_argument_of_a_question_is_told(scene, ask):
+    with pytest.raises(plogic.Error) as error:
+        ask(scene)
+    assert len(str(error.value).splitlines()) == 1
+
+
+@pytest.mark.parametrize("kind", [np.float64, np.float32, np.int64])
+def test_numbers_of_numpy_are_numbers(first, gamma_file, tmp_path, kind):
+    gamma = Gamma.load(gamma_file)
+    plain = Gamma(gamma.camera, [replace(a, uv=tuple(map(float, map(kind, a.uv)))) for a in gamma.appearances])
+    theirs = Gamma(gamma.camera, [replace(a, uv=tuple(map(kind, a.uv))) for a in gamma.appearances])
+    assert perceive(theirs, first).document == perceive(plain, first).document
+    theirs.save(tmp_path / "g.json")
+    assert Gamma.load(tmp_path / "g.json") == plain
+    assert len(perceive(theirs, first).worlds(np.int64(2), deadline=np.float32(60.0))) == 2
 
 
 def test_a_gamma_with_mistakes_tells_them_all(first, gamma_file):

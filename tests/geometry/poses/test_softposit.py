@@ -241,3 +241,17 @@ def test_what_does_not_fit_is_said(change, message):
     arguments = good | change
     with pytest.raises(GeometryError, match=message):
         softposit(arguments.pop("points"), arguments.pop("xy"), arguments.pop("start"), **arguments)
+
+
+def test_it_can_be_ended_between_two_steps():
+    model, xy, pose, _, _, rng = scene(0)
+    steps = []
+
+    def check():
+        steps.append(1)
+        if len(steps) == 3:
+            raise TimeoutError
+
+    with pytest.raises(TimeoutError):
+        softposit(model, xy, off(pose, rng, 10.0, 0.05), annealing=NEAR, check=check)
+    assert len(steps) == 3

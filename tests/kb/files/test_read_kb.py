@@ -202,14 +202,19 @@ KB_MISTAKES = {
         "hit: {spire",
         "5:9: detector.hit.spire: unknown feature type 'spire'; known: apex, corner",
     ),
-    "hit rate": ("apex: 0.9", "apex: 1.2", "5:15: detector.hit.apex: must be above 0 and below 1, not 1.2"),
+    "hit rate": (
+        "apex: 0.9",
+        "apex: 1.2",
+        "5:15: detector.hit.apex: must be above 0 and below 1, by 1e-08 at least, not 1.2",
+    ),
     "clutter of an unknown type": (
         "{corner: 3}",
         "{spire: 3}",
         "6:13: detector.clutter.spire: unknown appearance type 'spire'",
     ),
     "prior of an unknown type": ("tent: 0.25", "hut: 0.25", "9:10: priors.hut: unknown object type 'hut'; known: tent"),
-    "prior": ("tent: 0.25", "tent: 0", "9:16: priors.tent: must be above 0 and below 1, not 0"),
+    "prior": ("tent: 0.25", "tent: 0", "9:16: priors.tent: must be above 0 and below 1, by 1e-08 at least, not 0"),
+    "rare prior": ("tent: 0.25", "tent: 1.0e-9", "9:16: priors.tent: must be above 0 and below 1, by 1e-08 at least"),
     "no name": ("name: small\n", "", "1:1: name: missing"),
 }
 
