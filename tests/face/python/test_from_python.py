@@ -121,7 +121,6 @@ def test_bad_input_raises_and_says_nothing(wrong, gamma_file, first, capfd):
         lambda scene: scene.worlds("3"),
         lambda scene: scene.worlds(deadline=-5),
         lambda scene: scene.query(5),
-        lambda scene: scene.query(given=5),
         lambda scene: scene.query(given=["present(h1)", 5]),
         lambda scene: scene.query(deadline=float("nan")),
         lambda scene: scene.explain(None),
