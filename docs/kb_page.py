@@ -94,7 +94,7 @@ def _simple(of: Schema) -> str:
     types = of["type"] if isinstance(of["type"], list) else [of["type"]]
     text = " or ".join(names[each] for each in types)
     bounds = [("exclusiveMinimum", "above"), ("minimum", "from"), ("exclusiveMaximum", "below"), ("maximum", "to")]
-    return text + "".join(f", {word} {of[key]:g}" for key, word in bounds if key in of)
+    return text + "".join(f", {word} {of[key]:.10g}" for key, word in bounds if key in of)
 
 
 def _default(of: Schema) -> str:

@@ -12,7 +12,7 @@ import numpy as np
 
 from geometry.arrays import Floats, Mask
 from kb.clouds.cloud import KnowledgeBase
-from plogic.cycle.state import Cycle, Proposal, State, Step, Task, among, free, step_of
+from plogic.cycle.state import MOST_RIVALS, Cycle, Proposal, State, Step, Task, among, free, step_of
 from plogic.facts.hypothesis import Hypothesis
 from plogic.match.judged.evidence import evidence, pose_information
 from plogic.match.judged.evidence import judged as judged_alone
@@ -63,14 +63,14 @@ def judge(
 def judged(task: Task, state: State) -> State:
     """All proposals beside Δi: as before where nothing near was accepted since."""
     left, proposals = free(task, state.accepted), []
-    for proposed, beside in state.proposals:
+    for proposed, beside, most in state.proposals:
         task.deadline.check()
         near = beside is None or any(
             not apart_on_screen(proposed, other, *task.reach) for other in state.accepted[beside:]
         )
         anew = bool(state.accepted) or not task.models[proposed.type].settled_when_found
         again = judge(task, state.accepted, proposed, 0, left=left, anew=anew) if near else proposed
-        proposals.append(Proposal(again, len(state.accepted)))
+        proposals.append(Proposal(again, len(state.accepted), max(most, again.worth)))
     return replace(state, proposals=tuple(proposals))
 
 
@@ -186,6 +186,23 @@ def compared(task: Task, state: State) -> Iterator[State]:
         why = refusal(task, state, hypothesis) or "of less worth than what was refined, and not acceptable then"
         state = set_aside(task, replace(state, proposals=state.proposals[1:]), hypothesis, why)
         yield state
+
+
+def may_replace(task: Task, state: State, proposals: Iterable[Proposal]) -> list[Proposal]:
+    """Those that were once worth as much as an accepted one in whose place they stand, and may be its rivals.
+
+    Beside it they are worth little, since it has their data; ``MOST_RIVALS`` of them an accepted one, the best.
+    """
+    found: list[Proposal] = []
+    for proposal in sorted(proposals, key=lambda p: -p.most):
+        hypothesis = proposal.hypothesis
+        least = proposal.most + task.demanded(hypothesis)
+        near = any(h.worth < least and in_the_way(hypothesis, h) for h in state.accepted)
+        if near and not among(hypothesis, [*state.accepted, *(other.hypothesis for other in found)]):
+            found.append(proposal)
+        if len(found) >= MOST_RIVALS * len(state.accepted):
+            break
+    return found
 
 
 def set_aside(task: Task, state: State, hypothesis: Hypothesis, reason: str) -> State:

@@ -19,7 +19,17 @@ from geometry.arrays import Floats, Mask
 from kb.clouds.cloud import KnowledgeBase
 from plogic.base.clock import OutOfTimeError
 from plogic.cycle.choosing import Choice, acceptance, accepted, best_first, chosen, concluded, exchanged, glance, kept
-from plogic.cycle.judging import compared, judge, judged, left_over, making_way, may_be_accepted, refusal, set_aside
+from plogic.cycle.judging import (
+    compared,
+    judge,
+    judged,
+    left_over,
+    making_way,
+    may_be_accepted,
+    may_replace,
+    refusal,
+    set_aside,
+)
 from plogic.cycle.state import Attention, Cycle, State, Step, Task, Trace, among, considered, free, step_of
 from plogic.cycle.support import leaning, settled_down, standing
 from plogic.facts.hypothesis import Hypothesis
@@ -204,8 +214,9 @@ def match_and_choose(task: Task, state: State, choose: Choice) -> Iterator[State
         yield (state := leaning(task, judged(task, matched(task, state, wave))))
         best = sorted(state.proposals, key=lambda p: -round(p.hypothesis.worth, EVEN))
         most = max(POOL, POOL_OF_TYPE * len(task.models))
-        passed = tuple(proposal.hypothesis.bare() for proposal in best[most:])
-        state = replace(state, proposals=tuple(best[:most]), passed=(*state.passed, *passed))
+        kept, spared = best[:most], may_replace(task, state, best[most:])
+        passed = tuple(p.hypothesis.bare() for p in best[most:] if not any(p is one for one in spared))
+        state = replace(state, proposals=(*kept, *spared), passed=(*state.passed, *passed))
         new = [proposal.hypothesis for proposal in best if id(proposal.hypothesis) not in old]
         yield (state := chosen(task, state, new, choose))
         if state.turns > turns:
@@ -310,7 +321,11 @@ def _outcome(task: Task, state: State, unheld: Sequence[Hypothesis], attention: 
     """What the run came to: Δi, the rivals that it has, and what is remembered and did not hold, told from them."""
     noise = int(free(task, state.accepted).sum())
     state = state.tells(Step("stable", f"{len(state.accepted)} accepted; {noise} appearances left as noise"))
-    state, rivals = making_way(task, state, considered(state.rivals, state.accepted))
+    weighed = considered(state.rivals, state.accepted)
+    beyond = [h for h in state.rivals if not among(h, [*weighed, *state.accepted])]
+    why = f"would be accepted in the place of what it conflicts with, but only the best {len(weighed)} such are weighed"
+    state = replace(state, rejected=(*state.rejected, *(h.told(status="rejected", why=why) for h in beyond)))
+    state, rivals = making_way(task, state, weighed)
     told = len(state.rivals)
     for hypothesis in unheld:
         if not among(hypothesis, state.accepted):

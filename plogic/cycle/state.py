@@ -13,6 +13,7 @@ Vocabulary, each with an example value:
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
+from math import inf
 from typing import NamedTuple
 
 import numpy as np
@@ -163,11 +164,13 @@ class Attention:
 class Proposal(NamedTuple):
     """A proposed hypothesis.
 
-    ``beside``: how many accepted ones, the first, it was judged beside, None where it was not yet.
+    ``beside``: how many accepted ones, the first, it was judged beside, None where it was not yet; ``most``: what it
+    was worth at best, before others claimed its data.
     """
 
     hypothesis: Hypothesis
     beside: int | None = None
+    most: float = -inf
 
 
 @dataclass(frozen=True, eq=False)
@@ -242,11 +245,11 @@ def among(hypothesis: Hypothesis, others: Iterable[Hypothesis]) -> bool:
 
 
 MOST_RIVALS = 2
-"""Rivals of an accepted hypothesis that enter Δh with it."""
+"""Rivals that enter Δh for each accepted hypothesis."""
 
 
 def considered(rivals: Sequence[Hypothesis], accepted: Sequence[Hypothesis]) -> list[Hypothesis]:
-    """At most ``MOST_RIVALS`` rivals an accepted hypothesis, near-duplicates merged, best first."""
+    """At most ``MOST_RIVALS`` times as many rivals as there are accepted, near-duplicates merged, best first."""
     kept: list[Hypothesis] = []
     for rival in sorted(rivals, key=lambda h: -h.worth):
         if not among(rival, [*kept, *accepted]) and len(kept) < MOST_RIVALS * len(accepted):

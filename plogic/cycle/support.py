@@ -98,7 +98,7 @@ def leaning(task: Task, state: State) -> State:
                 best[posed.type] = max(posed.pixels + posed.stance, best.get(posed.type, -np.inf))
         search.reckon(best)
     number = len(state.accepted)
-    proposals = (Proposal(h, p.beside) for h, p in zip(told[number:], state.proposals, strict=True))
+    proposals = (Proposal(h, p.beside, p.most) for h, p in zip(told[number:], state.proposals, strict=True))
     return replace(state, accepted=tuple(told[:number]), proposals=tuple(proposals), supported=found)
 
 
