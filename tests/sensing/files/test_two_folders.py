@@ -89,6 +89,6 @@ def test_a_link_of_somebody_else_is_not_touched(tmp_path):
     (tmp_path / "other").symlink_to("nowhere")
     finish(tmp_path / "one", tmp_path / "other")
     assert (tmp_path / "other").is_symlink()
-    with pytest.raises(SensingError, match="other: cannot be written: File exists"):
+    with pytest.raises(SensingError, match="other: exists already and is not an empty folder"):
         write(tmp_path / "one", tmp_path / "other")
     assert [path.name for path in tmp_path.iterdir()] == ["other"]
