@@ -5,9 +5,9 @@ of it is expected.
 """
 
 from collections import Counter
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
-from itertools import permutations
+from functools import cache
 
 import numpy as np
 from numpy.typing import NDArray
@@ -118,6 +118,8 @@ def _expected(kind: ObjectType, distance: float) -> np.ndarray[tuple[int], np.dt
     return np.array(counts)
 
 
+MOST_LISTED = 5
+"""Types that one sentence names."""
 MOST_TYPES = 60
 """Types that are compared with each other."""
 
@@ -199,23 +201,42 @@ def _of_mesh(kind: ObjectType) -> Iterator[str]:
 
 
 def _contained(types: tuple[ObjectType, ...]) -> Iterator[str]:
-    inside = {(a.name, b.name) for a, b in permutations(types, 2) if contained_in(a, b)}
-    for a, b in sorted(inside):
-        if (b, a) not in inside:
-            yield f"{a}: its cloud is contained in that of {b}: wherever {b} stands, {a} fits as well"
-        elif a < b:
-            yield f"{a}: its cloud is the same as that of {b}: nothing tells them apart"
+    """Types that nothing tells apart, a sentence a group; and groups of which others have all features, too."""
+    inside = cache(lambda a, b: contained_in(by_name[a], by_name[b]))
+    by_name, groups = {kind.name: kind for kind in types}, list[list[str]]()
+    for name in sorted(by_name):
+        group = next((some for some in groups if inside(name, some[0]) and inside(some[0], name)), None)
+        if group is None:
+            groups.append([name])
+        else:
+            group.append(name)
+    yield from _same(groups)
+    for some in groups:
+        around = [name for other in groups if other is not some and inside(some[0], other[0]) for name in other]
+        if around:
+            stands = around[0] if len(around) == 1 else "one of them"
+            fits = some[0] if len(some) == 1 else "each of these"
+            yield f"{_listed(some)}: its cloud is contained in that of {_listed(around)}: wherever {stands} stands, {fits} fits as well"
 
 
 def _same_clouds(learned: list[ObjectType]) -> Iterator[str]:
     """Types that were learned from the same mesh and paint."""
-    first: dict[bytes, str] = {}
+    groups: dict[bytes, list[str]] = {}
     for kind in learned:
         assert kind.learned is not None  # noqa: S101 - the caller chose
-        looks = kind.learned.at.tobytes() + kind.learned.descriptor.tobytes()
-        if looks in first:
-            yield f"{kind.name}: its cloud is the same as that of {first[looks]}: nothing tells them apart"
-        first.setdefault(looks, kind.name)
+        groups.setdefault(kind.learned.at.tobytes() + kind.learned.descriptor.tobytes(), []).append(kind.name)
+    yield from _same(groups.values())
+
+
+def _same(groups: Iterable[list[str]]) -> Iterator[str]:
+    for first, *others in groups:
+        if others:
+            yield f"{first}: its cloud is the same as that of {_listed(others)}: nothing tells them apart"
+
+
+def _listed(names: Sequence[str]) -> str:
+    more = len(names) - MOST_LISTED
+    return ", ".join(names[:MOST_LISTED]) + (f" and {more} more" if more > 0 else "")
 
 
 CLOSE = 0.01

@@ -113,6 +113,15 @@ def test_the_same_cloud_twice_is_said_once(tmp_path):
     ]
 
 
+def test_of_many_that_are_the_same_one_sentence_is_said(tmp_path):
+    kinds = {f"k{i}": on_top(shift=0.01 * i) for i in range(8)}
+    more = on_top(shift=0.05) + feature("y", [0.5, 0.2, 1], [0, 0, 1])
+    assert said(read(tmp_path, large=more, **kinds)) == [
+        "k0: its cloud is the same as that of k1, k2, k3, k4, k5 and 2 more: nothing tells them apart",
+        "k0, k1, k2, k3, k4 and 3 more: its cloud is contained in that of large: wherever large stands, each of these fits as well",
+    ]
+
+
 def test_a_mirrored_cloud_is_another(tmp_path):
     chiral = on_top() + feature("high", [0.3, 0.3, 1.4], [0, 0, 1])
     mirrored = chiral.replace("[0.3, 0.3, 1.4]", "[0.3, 0.3, 0.6]")

@@ -115,7 +115,7 @@ def test_documents_hold_everything(folder, kb):
 def test_the_same_cloud_twice_and_too_few_features_are_warned_of(tmp_path):
     clouds = {"a": many(1), "b": many(1), "few": many(3, features=9), "fewer": many(4, features=2)}
     warnings = [line for line in check_report(read_kb(write_knowledge(tmp_path, clouds))) if line.startswith("warning")]
-    assert "warning: b: its cloud is the same as that of a: nothing tells them apart" in warnings
+    assert "warning: a: its cloud is the same as that of b: nothing tells them apart" in warnings
     assert any(line.startswith("warning: few: no viewpoint expects 20") for line in warnings)
     assert any(line.startswith("warning: fewer: no viewpoint expects 4") for line in warnings)
     assert len(warnings) == 3
