@@ -11,13 +11,14 @@ from numpy.typing import NDArray
 from geometry.camera import Camera, camera_from_dict
 from geometry.camera_row import Pose
 from geometry.files.pose_files import read_moves
-from plogic.base.errors import InterpretationError
+from plogic.base.errors import InputError, InterpretationError
 from plogic.face.shown.options import Moves
 from plogic.face.shown.tables import light_table, text_of_table
 from plogic.facts.document import Interpretation, Marks
 from plogic.facts.fact_rows import Interval
 from plogic.facts.interpretation import situation_of
 from plogic.facts.situation import Reading, Situation, stopped_in
+from plogic.scene.asking.query import unknown_names
 from plogic.scene.readings.unfinished import marks, notice
 from plogic.scene.worlds.ranked_worlds import ranked_worlds
 from plogic.sequence.next_view.expected import Prospect
@@ -60,6 +61,10 @@ def looked(document: Looked, number: int, seed: int, options: Moves) -> "NextVie
     answers = (
         None if about is None or situation is None else answers_in(situation, [members for _, members in worlds], about)
     )
+    if about is not None and situation is not None and answers is not None and (answers == answers[:1]).all():
+        unknown = unknown_names(situation, about)  # else every move would be said to tell nothing
+        if unknown:
+            raise InputError(f"--about: {'; '.join(unknown)}")
     candidates, made = _candidates(prospect, camera, options)
     looks = looked_ahead(prospect, camera, candidates, answers, seed)
     uncertain = float(entropy(prospect.probability if answers is None else prospect.probability @ answers))

@@ -84,6 +84,11 @@ def test_about_a_goal_no_gain_exceeds_that_about_the_worlds():
     assert all(gains[1][name] <= gains[0][name] + 1e-6 for name in gains[0])
 
 
+def test_about_what_is_unknown_nothing_is_listed():
+    with pytest.raises(PlogicError, match="--about: h99 is unknown as argument 1 of present/1; closest are"):
+        looked(document(), 11, 0, Moves(about="present(h99)"))
+
+
 def test_about_what_is_certain_there_is_nothing_to_gain():
     sure = looked(document(), 11, 0, Moves(about="opaque(h1)"))
     assert sure["entropy_bits"] == 0.0
