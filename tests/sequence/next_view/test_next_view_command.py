@@ -85,7 +85,7 @@ def test_about_a_goal_no_gain_exceeds_that_about_the_worlds():
 
 
 def test_about_what_is_unknown_nothing_is_listed():
-    with pytest.raises(PlogicError, match="--about: h99 is unknown as argument 1 of present/1; closest are"):
+    with pytest.raises(PlogicError, match="--about: h99 is unknown as argument 1 of present/1"):
         looked(document(), 11, 0, Moves(about="present(h99)"))
 
 
