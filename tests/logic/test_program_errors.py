@@ -22,6 +22,19 @@ def asked(*texts, goals=()):
     return serve({"texts": items, "goals": list(goals), "given": [], "names": None})["answers"]
 
 
+@pytest.mark.parametrize(
+    ("text", "place"),
+    [
+        ("evidence().", "1:1: evidence"),
+        ("a :- b, c( ).", "1:9: c"),
+        ("p()::a.", "1:1: p"),
+        ("a(f(g())). query(a(_)).", "1:5: g"),
+    ],
+)
+def test_brackets_with_nothing_in_them_are_told(text, place):
+    assert f"u.pl:{place}() has brackets with nothing in them" in told(ProgramError, f"{text} 0.5::wet. query(wet).")
+
+
 @pytest.mark.parametrize("label", ["1e-16", "1.0e-300", "0.00000000000000000001"])
 def test_a_label_that_problog_would_read_as_none_is_told(label):
     for text in (f"{label}::rare. query(rare).", f"0.3::a; {label}::rare. query(a)."):

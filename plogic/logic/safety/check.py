@@ -5,8 +5,9 @@ findall/3 and the like. It says all that is wrong at once. What a program builds
 call(X)``) is for the second layer (``engine``).
 """
 
+import re
 import warnings
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass, field
 from functools import lru_cache
 from typing import Any
@@ -98,7 +99,7 @@ def _parsed(text: str, file: str, identifier: int) -> Source:
         with warnings.catch_warnings():
             warnings.simplefilter("ignore")  # its parser's, of == and \==, which name its own file
             program = PrologString(text, identifier=identifier)
-            return Source(text, file, tuple(program), program)
+            source = Source(text, file, tuple(program), program)
     except ProbLogError as error:
         raise ProgramError(error.base_message, file=file, **_line_column(text, error.location)) from None
     except RecursionError:
@@ -108,6 +109,29 @@ def _parsed(text: str, file: str, identifier: int) -> Source:
         if start is not None:
             raise ProgramError(TOO_LONG, file=file, **_line_column(text, start)) from None
         raise ProgramError(f"cannot be read as ProbLog ({error})", file=file) from None
+    empty = _empty(source.statements) if _BRACKETS.search(text) else None
+    if empty is not None:  # which ProbLog reads, and fails over later
+        raise ProgramError(
+            f"{empty.functor}() has brackets with nothing in them: leave them out", **source.place(empty)
+        )
+    return source
+
+
+_BRACKETS = re.compile(r"\(\s*\)")
+
+
+def _empty(statements: Sequence[Any]) -> Any:  # noqa: ANN401 - a term of ProbLog's
+    """A term with brackets and nothing in them, the first; None where there is none."""
+    waiting = [*reversed(statements)]
+    while waiting:
+        term = waiting.pop()
+        arguments = getattr(term, "args", ())
+        if any(argument is None for argument in arguments):
+            return term
+        waiting += reversed(arguments)
+        if getattr(term, "probability", None) is not None:
+            waiting.append(term.probability)
+    return None
 
 
 _remembered = lru_cache(maxsize=16)(_parsed)
