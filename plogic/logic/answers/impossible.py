@@ -3,21 +3,18 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from itertools import combinations
-from time import monotonic
 from typing import TYPE_CHECKING, Any
 
 from problog.logic import Not, Term
 
 from plogic.base.errors import BeliefError, InconsistentError
+from plogic.base.excluding import excluding
 from plogic.logic.answers.ways import counted
 from plogic.logic.grounding.load import EVIDENCE, Request, line_of, request_from
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-MOST_ALONE, MOST_PAIRED = 40, 12
-"""Pieces of evidence that are tried alone, and in pairs."""
 SECONDS = 5.0
 """After so much work no further try begins: the error must come before the limit of time does."""
 
@@ -31,15 +28,12 @@ def blamed(document: dict[str, Any]) -> str:
         return ""
     request = request_from(document)
     pieces = [i for i, s in enumerate(request.statements) if type(s) is Term and s.signature in EVIDENCE]
-    end = monotonic() + SECONDS
-    for size, most in ((1, MOST_ALONE), (2, MOST_PAIRED)):
-        for some in combinations(pieces, size) if len(pieces) <= most else ():
-            if monotonic() > end:
-                return ""
-            if _impossible(request, set(pieces) - set(some)):
-                said = " and ".join(_said(request, i, document.get("given", ())) for i in some)
-                return f"{said} {'alone is impossible' if size == 1 else 'exclude each other'}"
-    return ""
+    return excluding(
+        pieces,
+        lambda some: _impossible(request, set(pieces) - set(some)),
+        lambda i: _said(request, i, document.get("given", ())),
+        SECONDS,
+    )
 
 
 def _impossible(request: Request, without: set[int]) -> bool:

@@ -15,10 +15,10 @@ import time
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager, suppress
 from dataclasses import replace
-from itertools import combinations
 from typing import NamedTuple
 
 from plogic.base.errors import InconsistentError, ProgramError, SituationError, UnknownPredicateError
+from plogic.base.excluding import excluding
 from plogic.facts.hypothesis import Hypothesis
 from plogic.facts.sanity import check
 from plogic.facts.situation import Situation
@@ -196,20 +196,17 @@ def _blaming_given(
     try:
         yield
     except InconsistentError as error:
-        end = time.monotonic() + (TRIED if seconds is None else min(TRIED, seconds))
-        raise type(error)(f"{error}{_why(tuple(dict.fromkeys(given)), pose, end)}") from None
 
-
-def _why(given: Sequence[str], pose: Callable[[Sequence[str]], object], end: float) -> str:
-    for size, told in ((1, "alone is impossible"), (2, "exclude each other")):
-        for some in combinations(given, size):
-            if time.monotonic() > end:
-                return ""
+        def impossible(some: Sequence[str]) -> bool:
             try:
                 pose(some)
             except InconsistentError:
-                return f"; {' and '.join(some)} {told}"
-    return ""
+                return True
+            return False
+
+        pieces = tuple(dict.fromkeys(given))
+        why = excluding(pieces, impossible, str, TRIED if seconds is None else min(TRIED, seconds))
+        raise type(error)(f"{error}; {why}" if why else str(error)) from None
 
 
 def _solver(memory: Remembered, seconds: float | None) -> Callable[[FactorGraph], Beliefs]:
