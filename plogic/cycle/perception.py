@@ -215,8 +215,7 @@ def match_and_choose(task: Task, state: State, choose: Choice) -> Iterator[State
         best = sorted(state.proposals, key=lambda p: -round(p.hypothesis.worth, EVEN))
         most = max(POOL, POOL_OF_TYPE * len(task.models))
         kept, spared = best[:most], may_replace(task, state, best[most:])
-        passed = tuple(p.hypothesis.bare() for p in best[most:] if not any(p is one for one in spared))
-        state = replace(state, proposals=(*kept, *spared), passed=(*state.passed, *passed))
+        state = replace(state, proposals=(*kept, *spared))
         new = [proposal.hypothesis for proposal in best if id(proposal.hypothesis) not in old]
         yield (state := chosen(task, state, new, choose))
         if state.turns > turns:

@@ -178,7 +178,7 @@ class State:
     """Where the cycle stands after a step.
 
     ``accepted`` is Δi in the order of acceptance. ``proposals`` are those of all types that are judged again each
-    round; ``passed`` those that were of too little worth for that, without their arrays. ``rivals``, ``rejected``: what
+    round; ``rivals``, ``rejected``: what
     was told of the others. ``refused`` was accepted once, and did not hold. ``stable`` is Δi made stable.
     ``supported``: the planes that things may stand on, where they rest; ``stood_on``: how many were accepted when it
     was asked last what else stands there. ``turns``: how often something
@@ -188,7 +188,6 @@ class State:
     attention: tuple[Attention, ...] = ()
     accepted: tuple[Hypothesis, ...] = ()
     proposals: tuple[Proposal, ...] = ()
-    passed: tuple[Hypothesis, ...] = ()
     rivals: tuple[Hypothesis, ...] = ()
     rejected: tuple[Hypothesis, ...] = ()
     refused: tuple[Hypothesis, ...] = ()

@@ -234,11 +234,6 @@ class Hypothesis:
         """What is known of it beyond Γ: another hypothesis of its pose can be ``told`` the same."""
         return {name: getattr(self, name) for name in ("pixels", "spread", "stance", "released")}
 
-    def bare(self) -> Hypothesis:
-        """The same hypothesis without its arrays: type, pose and verdict."""
-        pose = self.camera_from_object
-        return Hypothesis(self.type, pose, self.opaque, known_type=self.known_type).told(**self.verdict())
-
     def expects(self, feature: FeatureFact) -> bool:
         """Return whether the feature is Expected where no other object of the world hides it (D7)."""
         return expected(feature, self.opaque)
