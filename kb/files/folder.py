@@ -260,6 +260,11 @@ def shipped_names() -> list[str]:
     return sorted(path.parent.name for path in Path(__file__).parents[1].glob("*/kb.yaml"))
 
 
+def parts_of(folder: str | Path) -> list[Path]:
+    """The files and the folder that a knowledge base in a folder is made of, whether they are there or not."""
+    return [Path(folder, name) for name in ("kb.yaml", "rules.pl", "words.npz", "objects")]
+
+
 def shipped(name: str) -> Path:
     """The folder of a knowledge base inside the package: ``shipped("towers")``.
 

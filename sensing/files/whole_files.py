@@ -47,17 +47,15 @@ def write_files(files: Mapping[Path, bytes]) -> None:
                 temporary.replace(place)
 
 
-def check_places(places: Iterable[Path], read: Iterable[str | Path | None] = (), kb: str | None = None) -> None:
+def check_places(places: Iterable[Path], read: Iterable[str | Path | None] = ()) -> None:
     """Raise SensingError for the first place where no file can be written, before the work is done.
 
-    Nor may one be that is ``read``, or that belongs to the folder ``kb``: both would be lost.
+    Nor may one be that is ``read``, or lies in a folder that is: it would be lost.
     """
-    given = [Path(name) for name in read if name is not None]
+    given = [os.path.realpath(name) for name in read if name is not None and fault_of(Path(name)) in (None, IS_FOLDER)]
     for path in places:
-        if any(_same(path, other) for other in given):
-            raise SensingError(f"{path}: is what is read: name another place for what is written")
-        if kb is not None and is_there(path) and Path(os.path.realpath(path)).is_relative_to(os.path.realpath(kb)):
-            raise SensingError(f"{path}: belongs to the knowledge base {kb}: name another place for what is written")
+        if is_there(path) and any(Path(os.path.realpath(path)).is_relative_to(one) for one in given):
+            raise SensingError(f"{path}: is read, too: name another place for what is written")
         if _is_stream(path):
             if not os.access(path, os.W_OK):
                 raise SensingError(f"{path}: cannot be written: Permission denied")
@@ -82,13 +80,6 @@ def check_new_folder(folder: Path) -> None:
     for above in folder.parents:
         if above.exists() and not above.is_dir():
             raise SensingError(f"{folder}: cannot be written: {above} is no folder")
-
-
-def _same(path: Path, other: Path) -> bool:
-    try:
-        return path.samefile(other)
-    except (OSError, ValueError):
-        return False
 
 
 _OPENED = re.compile(r"/dev/(?:fd/(?P<number>\d{1,6})|std(?P<name>out|err))")

@@ -6,6 +6,7 @@ from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal
 
+from kb.files.folder import parts_of
 from kb.files.schema import json_schema
 from kb.shown.show import check_report, tree_document, tree_text
 from plogic.base.errors import InconsistentError, InputError
@@ -114,7 +115,7 @@ def page_command(
     from sensing.files.whole_files import check_places
 
     if out != "-":
-        check_places([Path(out)], kb=folder)
+        check_places([Path(out)], parts_of(folder))
     kb = kb_of(folder)
     written(type_page(kb, type_of(kb, name)), out, say=say, write=write)
 

@@ -6,6 +6,7 @@ from pathlib import Path
 from typing import Any
 
 from kb.clouds.cloud import KnowledgeBase
+from kb.files.folder import parts_of
 from plogic.base.errors import InputError
 from plogic.face.shown.options import Scoring
 from plogic.face.shown.printed import written
@@ -42,7 +43,7 @@ def bop_command(
     if out == "-" and options.as_json:
         raise InputError("-o -: the results and --json cannot both be on stdout")
     if out != "-":
-        check_places([Path(out)])
+        check_places([Path(out)], parts_of(kb_folder))
     dataset = open_dataset(folder)
     kb = kb_of(kb_folder)
     ids = _ids(kb, options.ids, dataset, say)

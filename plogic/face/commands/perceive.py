@@ -21,6 +21,7 @@ from geometry.errors import PlogicError
 from geometry.files.plain_files import name_of
 from geometry.files.pose_files import Placed, read_poses
 from kb.clouds.cloud import KnowledgeBase
+from kb.files.folder import parts_of
 from plogic.base.clock import Stopwatch
 from plogic.base.errors import InputError
 from plogic.cycle.delta import Options
@@ -162,7 +163,7 @@ def _check_places(options: Perceiving, inputs: Sequence[str]) -> None:
     for path in named:
         if named.count(path) > 1:
             raise InputError(f"{path}: is named for two outputs")
-    check_places(named, [*inputs, options.camera.file, options.poses, options.stereo], options.kb)
+    check_places(named, [*inputs, options.camera.file, options.poses, options.stereo, *parts_of(options.kb)])
 
 
 def _write_all(

@@ -10,6 +10,7 @@ from time import monotonic
 
 from geometry.errors import CameraError
 from geometry.files.plain_files import name_of
+from kb.files.folder import parts_of
 from plogic.base.children import ending_well
 from plogic.base.errors import InputError, ReaderGoneError
 from plogic.base.jobs import processors
@@ -37,7 +38,7 @@ def watch_command(source: str, settings: Settings, options: Watching) -> int:
     Raises:
         PlogicError: What is wrong with KB, camera or source; the lines of the frames before it are written.
     """
-    check_places([] if options.picture is None else [options.picture])
+    check_places([] if options.picture is None else [options.picture], [source, *parts_of(settings.kb)])
     drawn = options.picture is not None or options.pictures is not None
     jobs = min(options.jobs or processors(), options.limit or sys.maxsize)
     watcher = Watcher(

@@ -53,17 +53,17 @@ def test_what_is_open_already_is_gone_on_with_be_it_a_file(tmp_path, name):
     assert (tmp_path / "log").read_text() == "before\nwhole"
 
 
-def test_no_place_is_what_is_read_or_belongs_to_the_knowledge_base(tmp_path):
+@pytest.mark.parametrize("place", ["read.json", "link", "kb/kb.yaml", "to the kb/kb.yaml"])
+def test_no_place_is_what_is_read_or_lies_in_it(tmp_path, place):
     (tmp_path / "kb").mkdir()
     for name in ("read.json", "kb/kb.yaml"):
         (tmp_path / name).write_text("mine")
     (tmp_path / "link").symlink_to("read.json")
-    for place in ("read.json", "link"):
-        with pytest.raises(SensingError, match="is what is read"):
-            check_places([tmp_path / place], [None, "no such file", tmp_path / "read.json"])
-    with pytest.raises(SensingError, match="belongs to the knowledge base"):
-        check_places([tmp_path / "kb/kb.yaml"], kb=str(tmp_path / "kb"))
-    check_places([tmp_path / "kb/page.html", tmp_path / "new.json"], ["read.json"], str(tmp_path / "kb"))
+    (tmp_path / "to the kb").symlink_to("kb")
+    read = [None, "no such file", tmp_path / "read.json", tmp_path / "kb"]
+    with pytest.raises(SensingError, match=f"{place}: is read, too"):
+        check_places([tmp_path / place], read)
+    check_places([tmp_path / "kb/page.html", tmp_path / "new.json"], read)
 
 
 def test_the_working_folder_may_be_the_new_one(tmp_path, monkeypatch):
