@@ -213,12 +213,12 @@ def _dumped(tree: Any, most: int) -> str:  # noqa: ANN401 - JSON
     waiting, done, size = [tree], list[str](), 0
     while waiting and size < most:
         at = waiting.pop()
-        if isinstance(at, dict):
-            rows = [(_Raw(f"{', ' if i else ''}{json.dumps(str(key))}: "), at[key]) for i, key in enumerate(at)]
-            waiting += [_Raw("}"), *(part for row in reversed(rows) for part in reversed(row)), _Raw("{")]
-        elif isinstance(at, list):
-            waiting += [_Raw("]"), *(part for inner in reversed(at) for part in (inner, _Raw(", ")))]
-            waiting[len(waiting) - bool(at) :] = [_Raw("[")]
+        if isinstance(at, dict | list):
+            named = {key: f"{json.dumps(str(key))}: " for key in at} if isinstance(at, dict) else {}
+            ends = ("{", "}") if isinstance(at, dict) else ("[", "]")
+            parts = [part for key in _keys(at) for part in (_Raw(", " + named.get(key, "")), at[key])]
+            parts[:1] = [_Raw(part[2:]) for part in parts[:1]]
+            waiting += [_Raw(ends[1]), *reversed(parts), _Raw(ends[0])]
         else:
             done.append(str(at) if isinstance(at, _Raw) else json.dumps(at))
             size += len(done[-1])

@@ -26,6 +26,12 @@ def shell(tmp_path):
         terminal.kill()
 
 
+def ends(terminal):
+    """Whether Ctrl-D ends it well."""
+    terminal.type("\x04")
+    return terminal.end() == 0
+
+
 def test_a_session_at_a_terminal(shell, rain):
     terminal = shell(rain)
     assert "rain.pl: 6 clauses of 4 predicates" in terminal.wait(r".*`help` lists the verbs.*")
@@ -37,8 +43,7 @@ def test_a_session_at_a_terminal(shell, rain):
     terminal.wait(r"plogic \(1 observed\)>")
     terminal.type("observe \\+ rain\r")
     terminal.wait(r"is impossible given rain[\s\S]*plogic")
-    terminal.type("\x04")
-    assert terminal.end() == 0
+    assert ends(terminal)
 
 
 def test_tab_completes_verbs_predicates_and_names(shell, towers_file):
@@ -80,8 +85,7 @@ def test_a_history_that_cannot_be_kept_is_said_once(shell, rain, tmp_path):
     terminal.type("rain\r")
     terminal.wait(r"0\.300 +rain[\s\S]*plogic>")
     assert "history" not in terminal.screen
-    terminal.type("\x04")
-    assert terminal.end() == 0
+    assert ends(terminal)
 
 
 def test_ctrl_c_stops_the_question_and_not_the_shell(shell, tmp_path):
@@ -101,8 +105,7 @@ def test_ctrl_c_stops_the_question_and_not_the_shell(shell, tmp_path):
     terminal.wait(r"plogic \(1 observed\)>")
     terminal.type("predict rain\r")
     terminal.wait(r"1 +0\.300 +rain[\s\S]*plogic")
-    terminal.type("\x04")
-    assert terminal.end() == 0
+    assert ends(terminal)
 
 
 def test_a_colour_that_is_pasted_is_no_mouse(shell, rain):
@@ -111,8 +114,7 @@ def test_a_colour_that_is_pasted_is_no_mouse(shell, rain):
     terminal.type("\x1b[31mrain\r")
     terminal.wait(r"0\.300 +rain[\s\S]*plogic>")
     assert "Traceback" not in terminal.screen
-    terminal.type("\x04")
-    assert terminal.end() == 0
+    assert ends(terminal)
 
 
 def test_no_home_is_no_reason_to_end(monkeypatch):
