@@ -16,11 +16,6 @@ Mask = NDArray[np.bool_]  # any shape
 Bytes = NDArray[np.uint8]  # any shape: pixels, descriptors
 
 
-def check_room(size: int) -> None:
-    """Raise MemoryError where there are not so many bytes, before a library that would end the process takes them."""
-    np.empty(size, np.uint8)
-
-
 def frozen(values: ArrayLike) -> Floats:
     """A read-only copy of `values` as doubles; later writes to the original do not reach it."""
     array = np.array(values, dtype=np.float64)

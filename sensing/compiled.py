@@ -10,11 +10,17 @@ from typing import Any
 
 from numba import njit
 
+from geometry.room import MB, check_room
+
+COMPILING = 155 * MB, 190 * MB
+"""Bytes of memory and of address space that all our loops take where each is compiled: LLVM ends a process without."""
+
 
 def compiled(signature: str | None = None) -> Callable[[Callable[..., Any]], Any]:
     """Return what makes a compiled function of one of Python."""
 
     def made(function: Callable[..., Any]) -> Any:  # noqa: ANN401 - what is compiled takes arrays of several types
+        check_room(*COMPILING)
         loop: Any = njit(cache=True)(function)
         _mend(loop._cache)  # noqa: SLF001 - numba looks there first, and raises where anything is torn
         if signature is not None:

@@ -11,9 +11,10 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from geometry.arrays import Floats, Ints, Mask, check_room, frozen, frozen_ints, last_axes, lengths, summed
+from geometry.arrays import Floats, Ints, Mask, frozen, frozen_ints, last_axes, lengths, summed
 from geometry.errors import GeometryError
 from geometry.frames import inverse, transform_points
+from geometry.room import check_room
 
 TOLERANCE = 0.005  # of the surface's size: a feature's own facets at the feature do not hide it
 

@@ -13,6 +13,7 @@ from collections.abc import Callable, Iterator, Mapping
 from contextlib import suppress
 from pathlib import Path
 
+from geometry.room import look_before_loading
 from plogic.base.errors import InputError
 
 VARIABLE = "PLOGIC_MEMORY"
@@ -54,6 +55,7 @@ def hold(most: int) -> None:
         most = most if soft == resource.RLIM_INFINITY else min(soft, most or soft)
     keep_to(most)
     _WATCH.most = most
+    look_before_loading()
 
 
 def held() -> int:

@@ -1,0 +1,42 @@
+"""Is there room for so much memory? Asked before a library takes it that would end the process, or never end itself.
+
+Where memory is short, LLVM and OpenCV abort, and OpenBLAS ends the process or looks for memory for ever.
+"""
+
+import mmap
+import sys
+from importlib.abc import MetaPathFinder
+from importlib.machinery import ModuleSpec
+
+MB = 1 << 20
+NEEDS = {"numpy": (83, 43), "cv2": (171, 12), "scipy.linalg": (127, 62), "numba": (185, 23)}
+"""MB of address space and of memory that the loading of these takes (measured by ``tests/test_geometry_room.py``)."""
+MARGIN = 1.25
+"""Other versions of them may take more."""
+
+
+def check_room(memory: int, reserved: int = 0) -> None:
+    """Raise MemoryError where there are not so many bytes of memory, or ``reserved`` bytes of address space."""
+    try:
+        mmap.mmap(-1, max(memory, 1), mmap.MAP_PRIVATE | mmap.MAP_ANONYMOUS).close()
+        if reserved > memory:
+            mmap.mmap(-1, reserved, mmap.MAP_PRIVATE | mmap.MAP_ANONYMOUS, mmap.PROT_READ).close()
+    except OSError as error:
+        raise MemoryError from error
+
+
+class _Looks(MetaPathFinder):
+    """Finds nothing: it looks whether there is room for a library that is about to be loaded."""
+
+    def find_spec(self, fullname: str, path: object = None, target: object = None) -> ModuleSpec | None:  # noqa: ARG002
+        """Raise MemoryError where there is none."""
+        if fullname in NEEDS:
+            reserved, memory = (int(MARGIN * MB * need) for need in NEEDS[fullname])
+            check_room(memory, reserved)
+        return None
+
+
+def look_before_loading() -> None:
+    """From now on, a library that takes much is not loaded where there is no room for it: a MemoryError."""
+    if not any(isinstance(finder, _Looks) for finder in sys.meta_path):
+        sys.meta_path.insert(0, _Looks())
