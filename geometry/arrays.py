@@ -8,12 +8,16 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from geometry.errors import GeometryError
+from geometry.room import MB, check_room
 
 Floats = NDArray[np.float64]  # any shape, double precision
 Ints = NDArray[np.int64]  # any shape
 Indices = NDArray[np.intp]  # any shape, what numpy takes as an index
 Mask = NDArray[np.bool_]  # any shape
 Bytes = NDArray[np.uint8]  # any shape: pixels, descriptors
+
+check_room(32 * MB)  # what OpenBLAS takes at the first product: without, it ends the process
+np.dot(np.eye(2), np.eye(2))
 
 
 def frozen(values: ArrayLike) -> Floats:

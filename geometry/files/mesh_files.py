@@ -102,7 +102,13 @@ class _Beside:
 
 
 def reason(path: Path, error: Exception) -> str:
-    """Why trimesh could not read a mesh file, in one line of at most 200 characters."""
+    """Why trimesh could not read a mesh file, in one line of at most 200 characters.
+
+    Raises:
+        MemoryError: the error itself, which is none of the file.
+    """
+    if isinstance(error, MemoryError):
+        raise error
     if isinstance(error, ModuleNotFoundError) and error.name == "charset_normalizer":
         return "it holds bytes that are no text in UTF-8"
     if isinstance(error, ModuleNotFoundError):

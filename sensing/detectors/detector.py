@@ -209,7 +209,7 @@ def made(name: str, factory: Callable[[], Detector]) -> Detector:
     try:
         detector = factory()
         types = detector.types
-    except SensingError:
+    except (SensingError, MemoryError):
         raise
     except Exception as error:
         raise DetectorError(f"detector {name!r}: cannot be made: {told(error)}") from error
@@ -226,7 +226,7 @@ def reported(name: str, detector: Detector, image_bgr: NDArray[np.uint8]) -> lis
     """
     try:
         found = list(detector.detect(image_bgr))
-    except SensingError:
+    except (SensingError, MemoryError):
         raise
     except Exception as error:
         raise DetectorError(f"detector {name!r}: failed on the image: {told(error)}") from error

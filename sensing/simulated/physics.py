@@ -22,6 +22,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from geometry.room import MB, check_room
 from sensing.errors import SceneError
 from sensing.simulated.body import Body
 
@@ -29,6 +30,8 @@ DISTRIBUTIONS = "pybullet", "pybullet-arm64"
 INSTALL = "pip install pybullet (CPython 3.11 on x86-64 Linux) or pybullet-arm64 (3.12, 3.13; macOS on Arm)"
 """What a user can do who needs physics."""
 NO_PHYSICS = "pybullet is not installed"
+ROOM = 120 * MB
+"""Bytes that it takes at most for a scene of two boxes, of which 113 MB are the picture's: it aborts without."""
 
 
 def has_physics() -> bool:
@@ -70,7 +73,12 @@ def quiet() -> Iterator[None]:
 
 @contextmanager
 def client() -> Iterator[tuple[Any, int]]:
-    """Yield ``(pybullet, id)`` of a fresh DIRECT client; it is disconnected on the way out."""
+    """Yield ``(pybullet, id)`` of a fresh DIRECT client; it is disconnected on the way out.
+
+    Raises:
+        MemoryError: There is no room for it.
+    """
+    check_room(ROOM)
     with quiet():
         import pybullet
 

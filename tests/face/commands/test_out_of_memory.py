@@ -79,3 +79,11 @@ def test_of_a_gamma(large, how, megabytes):
     """At each of these a library ended the process, with words of its own or none, or looked for memory for ever."""
     run = within(megabytes, "perceive", large / "gamma.json", "--kb", "towers", "--deadline", 1, how=how)
     assert (run.returncode, run.stdout, run.stderr) == (1, "", said(megabytes))
+
+
+@pytest.mark.parametrize("megabytes", [100, 130, 220, 250])
+def test_of_a_simulation(tmp_path, megabytes):
+    """At these numpy and pybullet ended the process, or a mesh was called unreadable."""
+    run = within(megabytes, "simulate", "--kb", "first", "-o", tmp_path / "scene", how="memory")
+    assert (run.returncode, run.stdout, run.stderr) == (1, "", said(megabytes))
+    assert not list(tmp_path.iterdir())
