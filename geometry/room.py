@@ -10,7 +10,7 @@ from importlib.machinery import ModuleSpec
 
 MB = 1 << 20
 NEEDS = {"numpy": (83, 43), "cv2": (171, 12), "scipy.linalg": (127, 62), "numba": (185, 23)}
-"""MB of address space and of memory that the loading of these takes (measured by ``tests/test_geometry_room.py``)."""
+"""MB of address space and of memory that the loading of these takes (measured by ``tests/geometry/test_room.py``)."""
 MARGIN = 1.25
 """Other versions of them may take more."""
 

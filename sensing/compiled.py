@@ -8,9 +8,13 @@ from collections.abc import Callable
 from contextlib import suppress
 from typing import Any
 
-from numba import njit
-
 from geometry.room import MB, check_room
+from sensing.errors import SensingError
+
+try:
+    from numba import njit
+except ValueError as error:
+    raise SensingError(f"a variable NUMBA_... of the environment keeps numba from being loaded: {error}") from error
 
 COMPILING = 155 * MB, 190 * MB
 """Bytes of memory and of address space that all our loops take where each is compiled: LLVM ends a process without."""

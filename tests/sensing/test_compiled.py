@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import os
 import pickle
+import subprocess
 import sys
 from importlib.util import module_from_spec, spec_from_file_location
 
@@ -46,3 +48,17 @@ def test_what_is_torn_is_made_anew(tmp_path, signature, suffix, monkeypatch):
         assert called(file) == (5, 0)
         assert called(file) == (5, 1)
     assert len(CUT) == 4
+
+
+def test_a_variable_that_numba_cannot_use_is_told():
+    code = "from geometry.errors import PlogicError\ntry:\n    import sensing.compiled\nexcept PlogicError as error:\n    print(error)"
+    run = subprocess.run(
+        [sys.executable, "-c", code],
+        capture_output=True,
+        text=True,
+        timeout=120,
+        check=True,
+        env=os.environ | {"NUMBA_NUM_THREADS": "0", "PYTHONPATH": ":".join(sys.path)},
+    )
+    said = "a variable NUMBA_... of the environment keeps numba from being loaded: Number of threads"
+    assert run.stdout.startswith(said)
