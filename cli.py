@@ -349,6 +349,8 @@ def main() -> None:
     os.environ.setdefault(
         "OPENBLAS_NUM_THREADS", "1"
     )  # our products of matrices are many and small: more threads take longer
+    if os.environ.get("PATH") == "":  # as good as none, but problog joins it to a list
+        del os.environ["PATH"]
     if not sys.warnoptions:  # what libraries warn programmers of; what a user should know, commands say themselves
         warnings.simplefilter("ignore")
         os.environ.setdefault("PYTHONWARNINGS", "ignore")  # so in the processes that are started

@@ -11,6 +11,7 @@ and no other user's, is touched. Where a file system has no locks, nothing is re
 * ``with told_of(place, SensingError)``: an OSError says of the place that it cannot be written
 """
 
+import errno
 import fcntl
 import os
 import re
@@ -76,7 +77,15 @@ def _mask() -> int:
 
 def scratch() -> AbstractContextManager[Path]:
     """A new folder for files that go at the end, or with the next process that makes one. Raises OSError."""
-    return folder_beside(Path(tempfile.gettempdir()) / "scratch", PRIVATE)
+    return folder_beside(temporary() / "scratch", PRIVATE)
+
+
+def temporary() -> Path:
+    """The folder where the system has temporary files. Raises OSError where there is none, or no room in any."""
+    try:
+        return Path(tempfile.gettempdir())
+    except FileNotFoundError:
+        raise OSError(errno.ENOSPC, "no folder for temporary files can be written to: set TMPDIR to one") from None
 
 
 def _closed(handle: int, name: str) -> str:

@@ -2,12 +2,11 @@
 
 import pickletools
 import shutil
-import tempfile
 from collections.abc import Iterator
 from contextlib import suppress
 from pathlib import Path
 
-from geometry.files.begun import left_in
+from geometry.files.begun import left_in, temporary
 from geometry.files.remembered import ROOT, bytes_of, cache_folder, damage, kept_in
 from plogic.run.health.findings import REPAIRS, Finding, counted, size
 
@@ -80,7 +79,11 @@ def _is_pickle(file: Path) -> bool:
 
 def scratch(*, fix: bool) -> Iterator[Finding]:
     """The folders of processes that were killed."""
-    left = left_in(Path(tempfile.gettempdir()))
+    try:
+        left = left_in(temporary())
+    except OSError as error:
+        yield Finding(SCRATCH, "folders", "note", f"{error.strerror}")
+        return
     if not left:
         yield Finding(SCRATCH, "folders", "fine", "nothing is left behind")
         return

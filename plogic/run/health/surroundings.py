@@ -10,6 +10,7 @@ from collections.abc import Iterator
 from importlib.util import find_spec
 from pathlib import Path
 
+from geometry.files.begun import temporary
 from plogic.base.errors import InputError
 from plogic.base.memory import VARIABLE, limit, whole
 from plogic.run.health.findings import Finding, size
@@ -89,7 +90,7 @@ def _memory() -> Finding:
 def _room() -> Finding:
     """Whether scratch files can be written."""
     try:
-        folder = tempfile.gettempdir()
+        folder = temporary()
         with tempfile.TemporaryFile() as file:
             file.write(bytes(4096))
     except OSError as error:
