@@ -45,7 +45,7 @@ from plogic.face.shown.options import (
     Number,
     Perceiving,
 )
-from plogic.face.shown.printed import emit, hand_over, let_go, open_streams, say
+from plogic.face.shown.printed import emit, hand_over, let_go, open_streams, say, tell_unkept
 
 NO_MEMORY = "failed to map segment", "Cannot allocate memory", "Insufficient memory", "can't start new thread"
 """What libraries say in whose errors memory ran out."""
@@ -373,6 +373,7 @@ def main() -> None:
         say("\n".join(f"plogic: {line}" for line in _told(error)))
         sys.exit(1)
     finally:
+        tell_unkept()
         let_go()
 
 

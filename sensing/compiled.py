@@ -18,6 +18,8 @@ except ValueError as error:
 
 COMPILING = 155 * MB, 190 * MB
 """Bytes of memory and of address space that all our loops take where each is compiled: LLVM ends a process without."""
+UNKEPT: list[str] = []
+"""The loops that are compiled anew in each process, as there is no folder that takes them."""
 
 
 def compiled(signature: str | None = None) -> Callable[[Callable[..., Any]], Any]:
@@ -25,8 +27,13 @@ def compiled(signature: str | None = None) -> Callable[[Callable[..., Any]], Any
 
     def made(function: Callable[..., Any]) -> Any:  # noqa: ANN401 - what is compiled takes arrays of several types
         check_room(*COMPILING)
-        loop: Any = njit(cache=True)(function)
-        _mend(loop._cache)  # noqa: SLF001 - numba looks there first, and raises where anything is torn
+        loop: Any
+        try:
+            loop = njit(cache=True)(function)
+            _mend(loop._cache)  # noqa: SLF001 - numba looks there first, and raises where anything is torn
+        except RuntimeError:  # neither beside the source, nor in the user's home, nor where NUMBA_CACHE_DIR says
+            loop = njit(function)
+            UNKEPT.append(function.__name__)
         if signature is not None:
             loop.compile(signature)
             loop.disable_compile()

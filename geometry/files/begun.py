@@ -85,7 +85,7 @@ def temporary() -> Path:
     try:
         return Path(tempfile.gettempdir())
     except FileNotFoundError:
-        raise OSError(errno.ENOSPC, "no folder for temporary files can be written to: set TMPDIR to one") from None
+        raise OSError(errno.ENOSPC, "no folder for temporary files can be written to (TMPDIR)") from None
 
 
 def _closed(handle: int, name: str) -> str:

@@ -62,3 +62,21 @@ def test_a_variable_that_numba_cannot_use_is_told():
     )
     said = "a variable NUMBA_... of the environment keeps numba from being loaded: Number of threads"
     assert run.stdout.startswith(said)
+
+
+def test_where_no_folder_takes_it_each_process_compiles(tmp_path):
+    for name in ("__pycache__", "home"):  # files where there should be folders
+        (tmp_path / name).touch()
+    (tmp_path / "adding.py").write_text(SOURCE.format(""))
+    code = "from adding import added\nfrom sensing.compiled import UNKEPT\nprint(added(2, 3), UNKEPT)"
+    home = str(tmp_path / "home")
+    paths = ":".join([str(tmp_path), *sys.path])
+    run = subprocess.run(
+        [sys.executable, "-c", code],
+        capture_output=True,
+        text=True,
+        timeout=120,
+        check=True,
+        env=os.environ | {"HOME": home, "XDG_CACHE_HOME": home, "PYTHONPATH": paths},
+    )
+    assert run.stdout == "5 ['added']\n"

@@ -88,6 +88,16 @@ def open_streams() -> None:
     sys.stdout, sys.stderr = Screen(sys.stdout, 1), Screen(sys.stderr, 2)
 
 
+def tell_unkept() -> None:
+    """Say that loops were compiled which the next run compiles again."""
+    loops = sys.modules.get("sensing.compiled")
+    if loops is not None and loops.UNKEPT:
+        say(
+            f"{len(loops.UNKEPT)} loops were compiled for this run alone, as no folder takes them: set NUMBA_CACHE_DIR"
+            " to one that can be written to"
+        )
+
+
 def let_go() -> None:
     """Leave what could not be written to stdout: Python, which would try again at its end, has nothing to tell."""
     try:

@@ -1,5 +1,6 @@
 """What earlier runs left: what they keep to be quicker, and what killed ones could not take away."""
 
+import os
 import pickletools
 import shutil
 from collections.abc import Iterator
@@ -54,15 +55,25 @@ def _compiled(*, fix: bool) -> Iterator[Finding]:
     """What numba keeps of our loops: an index (.nbi) a function, which is a pickle, and code (.nbc)."""
     places = [ROOT / "sensing" / room / "__pycache__" for room in ("detectors", "pixels", "views")]
     files = sorted(file for place in places if place.is_dir() for file in place.glob("*.nb[ic]"))
+    top, own = cache_folder(""), os.environ.get("NUMBA_CACHE_DIR")
+    places += [] if top is None else [top.parent / "numba"]
+    places += [Path(own)] if own else []
     torn = [file for file in files if not _is_pickle(file)]
     what = f"{counted(len(files), 'file', 'files')} of compiled loops, {size(sum(map(bytes_of, files)))}"
     if torn:
         found = Finding(CACHES, "numba", "wrong", f"{len(torn)} damaged of {what}: {torn[0]}", REPAIRS)
         yield removed(found, torn, fix=fix)
+    elif not any(map(_takes, places)):  # numba does not read where it may not write, either
+        told = "no folder takes compiled loops: each run with photos compiles them"
+        yield Finding(CACHES, "numba", "note", told, "set NUMBA_CACHE_DIR to a folder that can be written to")
     else:
-        yield Finding(
-            CACHES, "numba", "fine", what if files else "no loops are compiled yet: the first photo takes longer"
-        )
+        told = what if files else "no loops are compiled yet: the first photo takes longer"
+        yield Finding(CACHES, "numba", "fine", told)
+
+
+def _takes(place: Path) -> bool:
+    """Whether files may be written there, or the folder made."""
+    return os.access(next(path for path in (place, *place.absolute().parents) if path.exists()), os.W_OK)
 
 
 def _is_pickle(file: Path) -> bool:

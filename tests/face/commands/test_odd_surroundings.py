@@ -32,7 +32,7 @@ def ran(*args, file_size=None, **environment):
 
 def test_where_no_folder_takes_temporary_files():
     run = ran("query", ALARM, file_size=0)
-    said = "no folder for temporary files can be written to: set TMPDIR to one"
+    said = "no folder for temporary files can be written to (TMPDIR)"
     assert (run.returncode, run.stdout) == (1, "")
     assert run.stderr == f"plogic: a scratch file: cannot be written: {said}\n"
     told = ran("doctor", file_size=0)
