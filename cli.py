@@ -47,8 +47,9 @@ from plogic.face.shown.options import (
 )
 from plogic.face.shown.printed import emit, hand_over, let_go, open_streams, say, tell_unkept
 
-NO_MEMORY = "failed to map segment", "Cannot allocate memory", "Insufficient memory", "can't start new thread"
+NO_MEMORY = "failed to map segment", "Cannot allocate memory", "Insufficient memory"
 """What libraries say in whose errors memory ran out."""
+NO_THREAD = "can't start new thread", "pthread_create has failed", "BlockingIOError"
 LIMITED = (
     f"A command and all processes that it starts take no more memory together than {LEAST >> 30} GiB and"
     f" {EACH >> 30} GiB for each processor, and at most {100 * OF_ALL:g} % of what there is; {VARIABLE}=MB sets another limit."
@@ -388,6 +389,8 @@ def _told(error: Exception) -> list[str]:
     if isinstance(error, MemoryError) or any(sign in what for sign in NO_MEMORY):
         than = f"the {held() >> 20} MB that a command may ({VARIABLE}, ulimit)" if held() else "there is"
         return [f"out of memory: the input, or the knowledge base, takes more than {than}"]
+    if any(sign in what for sign in NO_THREAD):
+        return ["no more threads or processes can be started: their number, or memory, is at its limit (ulimit -u, -v)"]
     if isinstance(error, OSError) and error.errno in NO_ROOM:
         return [f"{error.filename or 'a scratch file'}: cannot be written: {error.strerror}"]
     return [f"internal error: {what} (please report it with the traceback that PLOGIC_TRACEBACK=1 shows)"]

@@ -5,6 +5,7 @@ Where memory is short, LLVM and OpenCV abort, and OpenBLAS ends the process or l
 
 import mmap
 import sys
+import threading
 from importlib.abc import MetaPathFinder
 from importlib.machinery import ModuleSpec
 
@@ -23,6 +24,21 @@ def check_room(memory: int, reserved: int = 0) -> None:
             mmap.mmap(-1, reserved, mmap.MAP_PRIVATE | mmap.MAP_ANONYMOUS, mmap.PROT_READ).close()
     except OSError as error:
         raise MemoryError from error
+
+
+def check_threads(count: int) -> None:
+    """Raise RuntimeError where not so many threads can be started, before a library that would end the process does."""
+    done = threading.Event()
+    started: list[threading.Thread] = []
+    try:
+        for _ in range(count):
+            thread = threading.Thread(target=done.wait)
+            thread.start()
+            started.append(thread)
+    finally:
+        done.set()
+        for thread in started:
+            thread.join()
 
 
 class _Looks(MetaPathFinder):

@@ -71,8 +71,9 @@ def _above(path: Path) -> Path:
 
 
 def kb_used(path: Path) -> None:
-    """It is perceived with, a scene is made of it, and it is shown."""
+    """It is checked and perceived with, a scene is made of it, and it is shown."""
     folder = str(_above(path))
+    command(path, "kb", "check", folder)
     command(path, "perceive", str(seeds.EXAMPLES / "first_gamma.json"), "--kb", folder, "--deadline", "5")
     with tempfile.TemporaryDirectory() as made:
         command(path, "simulate", "--kb", folder, "--gamma", "-o", f"{made}/made")

@@ -5,6 +5,7 @@ Embree finds the triangle in single precision; the distance is then taken to tha
 Behind(y, x, v): the line of sight from v to y meets x strictly before y (formalism §3.4).
 """
 
+import os
 from functools import cache
 from typing import Any
 
@@ -14,7 +15,7 @@ from numpy.typing import ArrayLike, NDArray
 from geometry.arrays import Floats, Ints, Mask, frozen, frozen_ints, last_axes, lengths, summed
 from geometry.errors import GeometryError
 from geometry.frames import inverse, transform_points
-from geometry.room import check_room
+from geometry.room import check_room, check_threads
 
 TOLERANCE = 0.005  # of the surface's size: a feature's own facets at the feature do not hide it
 
@@ -114,6 +115,7 @@ def _device() -> Any:  # noqa: ANN401 - it has no stubs
     from embreex.rtcore import EmbreeDevice
 
     check_room(_DEVICE)
+    check_threads(os.cpu_count() or 1)
     return EmbreeDevice()
 
 

@@ -2,13 +2,18 @@
 
 from __future__ import annotations
 
+import errno
 import os
 import resource
 import subprocess
+import threading
 from pathlib import Path
 
 import pytest
 from console import BIN, SECONDS
+
+import cli
+from geometry.room import check_threads
 
 ALARM = Path(__file__).parents[3] / "examples" / "alarm.pl"
 
@@ -46,3 +51,28 @@ def test_where_no_folder_holds_programs(args):
     there, none = ran(*args), ran(*args, PATH="")
     assert there.returncode == 0
     assert (none.returncode, none.stdout, none.stderr) == (0, there.stdout, there.stderr)
+
+
+@pytest.mark.parametrize(
+    "error",
+    [
+        BlockingIOError(errno.EAGAIN, "Resource temporarily unavailable"),
+        RuntimeError("can't start new thread"),
+        RuntimeError("pthread_create has failed: Resource temporarily unavailable"),
+    ],
+    ids=["process", "thread", "Embree's"],
+)
+def test_where_no_process_or_thread_can_be_started(error):
+    """What the system says under ``ulimit -u``, which does not hold for root."""
+    said = "no more threads or processes can be started: their number, or memory, is at its limit (ulimit -u, -v)"
+    assert cli._told(error) == [said]
+
+
+def test_embree_is_not_asked_for_where_there_are_no_threads(monkeypatch):
+    def none(_):
+        raise RuntimeError("can't start new thread")
+
+    monkeypatch.setattr(threading.Thread, "start", none)
+    with pytest.raises(RuntimeError, match="can't start new thread"):
+        check_threads(1)
+    check_threads(0)
