@@ -30,6 +30,8 @@ def compiled(signature: str | None = None) -> Callable[[Callable[..., Any]], Any
         loop: Any
         try:
             loop = njit(cache=True)(function)
+            if loop is function:  # NUMBA_DISABLE_JIT
+                return loop
             _mend(loop._cache)  # noqa: SLF001 - numba looks there first, and raises where anything is torn
         except RuntimeError:  # neither beside the source, nor in the user's home, nor where NUMBA_CACHE_DIR says
             loop = njit(function)

@@ -10,6 +10,8 @@ from importlib.util import module_from_spec, spec_from_file_location
 
 import pytest
 
+import sensing.compiled
+
 SOURCE = """\
 from sensing.compiled import compiled
 
@@ -62,6 +64,12 @@ def test_a_variable_that_numba_cannot_use_is_told():
     )
     said = "a variable NUMBA_... of the environment keeps numba from being loaded: Number of threads"
     assert run.stdout.startswith(said)
+
+
+def test_what_is_not_compiled_is_as_it_was(monkeypatch):
+    monkeypatch.setattr("numba.core.config.DISABLE_JIT", True)
+    for signature in (None, "i8(i8)"):
+        assert sensing.compiled.compiled(signature)(abs) is abs
 
 
 def test_where_no_folder_takes_it_each_process_compiles(tmp_path):
