@@ -69,7 +69,7 @@ def test_a_variable_that_numba_cannot_use_is_told():
 def test_what_is_not_compiled_is_as_it_was(monkeypatch):
     monkeypatch.setattr("numba.core.config.DISABLE_JIT", True)
     for signature in (None, "i8(i8)"):
-        assert sensing.compiled.compiled(signature)(abs) is abs
+        assert sensing.compiled.compiled(signature)(called) is called
 
 
 def test_where_no_folder_takes_it_each_process_compiles(tmp_path):
