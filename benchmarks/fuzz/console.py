@@ -115,7 +115,7 @@ def commands() -> list[Command]:
         ("panorama", ("next-view", "{}", "-n", "1")),
     ]  # fmt: skip
     rows += [(f"interpretation-{name}", tuple(words)) for name, words in ASKED.items()]
-    rows += [("interpretation-query", ("settle", "{}")), ("interpretation-query", ("shell", "{}"))]
+    rows += [("interpretation-query", ("shell", "{}"))]
     known = kinds()
     return [Command(kind, words, partial(_beside, known[kind], words)) for kind, words in rows]
 

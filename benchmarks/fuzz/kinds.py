@@ -76,8 +76,9 @@ ASKED: dict[str, Sequence[str]] = {
     "measures": ("measures", "{}"),
     "next-view": ("next-view", "{}", "-n", "1"),
     "missing": ("explain", "{}", "--missing", "box"),
+    "settle": ("settle", "{}"),
 }
-"""Every command that reads an interpretation, but for ``shell`` and ``settle``, which read it as these do."""
+"""Every command that reads an interpretation, but for ``shell``, which reads it as these do."""
 
 
 def _kinds() -> list[Kind]:

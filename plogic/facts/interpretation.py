@@ -160,6 +160,10 @@ def _at_odds(document: Interpretation) -> Iterator[Mistake]:
     types = {f["type"] for h in posed for f in h["features"]} | measures.get("dv_types", {}).keys()
     for name in sorted(types - measures["dv"].keys() - {OTHERS}):
         yield Mistake(("measures", "dv"), f"the feature type {name!r} is missing")
+    accepted = {h["id"] for h in posed}
+    for i, world in enumerate(document.get("worlds", [])):
+        for name in sorted(set(world["present"]) - accepted):
+            yield Mistake(("worlds", i, "present"), f"{name!r} should be a hypothesis that is not rejected")
 
 
 def _hypothesis(h: HypothesisRow) -> Hypothesis:

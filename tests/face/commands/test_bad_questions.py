@@ -69,6 +69,10 @@ INTERPRETATIONS = {
         "hypotheses.0.features.0.density: -1.0 is not a number from 0.0",
     ),
     "a duplicate id": (lambda d: d["hypotheses"].insert(0, d["hypotheses"][0]), "hypothesis 'h1' occurs twice"),
+    "a world with a stranger": (
+        lambda d: d["worlds"][0]["present"].append("h9"),
+        "worlds.0.present: 'h9' should be a hypothesis that is not rejected",
+    ),
     "no list": (lambda d: d.update(hypotheses="h1"), "hypotheses: 'h1' is no list"),
     "hostile rules": (lambda d: d.update(rules=":- use_module('x.py')."), "rules.pl:1:4: directive use_module('x.py')"),
 }
