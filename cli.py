@@ -49,7 +49,7 @@ from plogic.face.shown.printed import emit, hand_over, let_go, open_streams, say
 
 NO_MEMORY = "failed to map segment", "Cannot allocate memory", "Insufficient memory"
 """What libraries say in whose errors memory ran out."""
-NO_THREAD = "can't start new thread", "pthread_create has failed", "BlockingIOError"
+NO_THREAD = "can't start new thread", "Resource temporarily unavailable"  # or processes
 LIMITED = (
     f"A command and all processes that it starts take no more memory together than {LEAST >> 30} GiB and"
     f" {EACH >> 30} GiB for each processor, and at most {100 * OF_ALL:g} % of what there is; {VARIABLE}=MB sets another limit."

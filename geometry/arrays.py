@@ -16,7 +16,9 @@ Indices = NDArray[np.intp]  # any shape, what numpy takes as an index
 Mask = NDArray[np.bool_]  # any shape
 Bytes = NDArray[np.uint8]  # any shape: pixels, descriptors
 
-check_room(32 * MB)  # what OpenBLAS takes at the first product: without, it ends the process
+PRODUCT = 32 * MB
+"""Bytes that OpenBLAS takes at the first product, and ends the process without: here, where they are asked for."""
+check_room(PRODUCT)
 np.dot(np.eye(2), np.eye(2))
 
 

@@ -1,4 +1,4 @@
-"""Is there room for so much memory? Asked before a library takes it that would end the process, or never end itself.
+"""Is there room for so much memory, or for so many threads? Asked before a library takes them that ends the process.
 
 Where memory is short, LLVM and OpenCV abort, and OpenBLAS ends the process or looks for memory for ever.
 """
@@ -10,16 +10,17 @@ from importlib.abc import MetaPathFinder
 from importlib.machinery import ModuleSpec
 
 MB = 1 << 20
-NEEDS = {"numpy": (83, 43), "cv2": (171, 12), "scipy.linalg": (127, 62), "numba": (185, 23)}
-"""MB of address space and of memory that the loading of these takes (measured by ``tests/geometry/test_room.py``)."""
-MARGIN = 1.25
-"""Other versions of them may take more."""
+NEEDS = {"numpy": (54, 104), "cv2": (16, 214), "scipy.linalg": (78, 159), "numba": (29, 231)}
+"""MB of memory and of address space that are wanted before one of these is loaded.
+
+A quarter more than they take, scipy.linalg with scipy.optimize (``tests/geometry/test_room.py`` measures it).
+"""
 
 
 def check_room(memory: int, reserved: int = 0) -> None:
     """Raise MemoryError where there are not so many bytes of memory, or ``reserved`` bytes of address space."""
     try:
-        mmap.mmap(-1, max(memory, 1), mmap.MAP_PRIVATE | mmap.MAP_ANONYMOUS).close()
+        mmap.mmap(-1, memory, mmap.MAP_PRIVATE | mmap.MAP_ANONYMOUS).close()
         if reserved > memory:
             mmap.mmap(-1, reserved, mmap.MAP_PRIVATE | mmap.MAP_ANONYMOUS, mmap.PROT_READ).close()
     except OSError as error:
@@ -47,8 +48,7 @@ class _Looks(MetaPathFinder):
     def find_spec(self, fullname: str, path: object = None, target: object = None) -> ModuleSpec | None:  # noqa: ARG002
         """Raise MemoryError where there is none."""
         if fullname in NEEDS:
-            reserved, memory = (int(MARGIN * MB * need) for need in NEEDS[fullname])
-            check_room(memory, reserved)
+            check_room(*(MB * need for need in NEEDS[fullname]))
         return None
 
 

@@ -113,9 +113,9 @@ def commands() -> list[Command]:
         ("sdf", ("kb", "import", "{}", *first)),
         ("panorama", ("kb", "assimilate", "{}", "u1", *first, "--name", "thing")),
         ("panorama", ("next-view", "{}", "-n", "1")),
+        ("interpretation-query", ("shell", "{}")),
     ]  # fmt: skip
     rows += [(f"interpretation-{name}", tuple(words)) for name, words in ASKED.items()]
-    rows += [("interpretation-query", ("shell", "{}"))]
     known = kinds()
     return [Command(kind, words, partial(_beside, known[kind], words)) for kind, words in rows]
 

@@ -17,19 +17,19 @@ LENGTHS = {"m": 1.0, "dm": 0.1, "cm": 0.01, "mm": 0.001, "um": 1e-6, "km": 1000.
 """Metres in a unit."""
 ANGLES = {"rad": 1.0, "deg": math.pi / 180, "turn": 2 * math.pi}
 """Radians in a unit."""
-FARTHEST = 1e9
-"""Metres. Farther ones have squares, and squares of these, that are no numbers."""
+LARGEST = 1e9
+"""What lengths stay below, in m, and numbers of imported files: so their squares are numbers."""
 
 
 def length(value: object) -> float:
     """Metres: ``length("5 cm") == 0.05``.
 
     Raises:
-        ValueError: for anything but a number with a unit of length, or without a unit, of less than ``FARTHEST``.
+        ValueError: for anything but a number with a unit of length, or without a unit, of less than ``LARGEST``.
     """
     found = _quantity(value, LENGTHS, "a length in metres, such as 0.2 or '20 cm'")
-    if abs(found) >= FARTHEST:
-        raise ValueError(f"must be below {FARTHEST:g} m, not {value!r:.60}")
+    if abs(found) >= LARGEST:
+        raise ValueError(f"must be below {LARGEST:g} m, not {value!r:.60}")
     return found
 
 

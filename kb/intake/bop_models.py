@@ -16,7 +16,7 @@ from geometry.files.plain_files import is_there, must_be_plain
 from geometry.frames import quat_xyzw_from_rotation
 from kb.errors import IntakeError
 from kb.files.schema import SymmetryModel
-from kb.files.values import LENGTHS
+from kb.files.values import LARGEST, LENGTHS
 from kb.files.write import flow
 from kb.surfaces.symmetries import motions
 
@@ -26,8 +26,6 @@ MAX_BYTES = 16_000_000
 """Largest models_info.json."""
 MEANT, MOST_FOLD = 0.005, 12
 """Share of a circle by which a published turn may be off the one that it means, of so many folds at most."""
-LARGEST = 1e9
-"""What every number in it stays below, mm."""
 _MODEL = re.compile(r"obj_(\d+)\.ply")
 
 

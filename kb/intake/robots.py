@@ -21,6 +21,7 @@ from geometry.files.side_files import homes, inside
 from geometry.files.xml_files import XMLMistakeError, root_of
 from geometry.frames import from_rotation_translation
 from kb.errors import IntakeError
+from kb.files.values import LARGEST
 from kb.intake.source import GREY, Piece, Source, copied, read_source
 
 Frame = NDArray[np.float64]
@@ -28,8 +29,6 @@ Frame = NDArray[np.float64]
 
 MAX_BYTES = 20_000_000
 """Largest description."""
-LARGEST = 1e9
-"""What every number stays below: sizes in m, angles, scales."""
 
 
 def read_xml(path: Path) -> Element:

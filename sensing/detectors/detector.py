@@ -209,7 +209,7 @@ def made(name: str, factory: Callable[[], Detector]) -> Detector:
     try:
         detector = factory()
         types = detector.types
-    except (SensingError, MemoryError):
+    except SensingError:
         raise
     except Exception as error:
         raise DetectorError(f"detector {name!r}: cannot be made: {told(error)}") from error
@@ -226,7 +226,7 @@ def reported(name: str, detector: Detector, image_bgr: NDArray[np.uint8]) -> lis
     """
     try:
         found = list(detector.detect(image_bgr))
-    except (SensingError, MemoryError):
+    except SensingError:
         raise
     except Exception as error:
         raise DetectorError(f"detector {name!r}: failed on the image: {told(error)}") from error
@@ -269,6 +269,8 @@ def _number_mistake(a: Appearance, width: int, height: int) -> str | None:
 
 
 def told(error: BaseException) -> str:
-    """An exception as one line of at most 200 letters."""
+    """An exception as one line of at most 200 letters. Raises it where it is a MemoryError, which is no detector's."""
+    if isinstance(error, MemoryError):
+        raise error
     text = " ".join(str(error).split())
     return f"{type(error).__name__}{': ' if text else ''}{text}"[:200]

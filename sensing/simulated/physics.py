@@ -31,7 +31,7 @@ INSTALL = "pip install pybullet (CPython 3.11 on x86-64 Linux) or pybullet-arm64
 """What a user can do who needs physics."""
 NO_PHYSICS = "pybullet is not installed"
 ROOM = 120 * MB
-"""Bytes that it takes at most for a scene of two boxes, of which 113 MB are the picture's: it aborts without."""
+"""Bytes that are wanted before it starts, as it aborts without: the picture of two boxes takes 113 MB."""
 
 
 def has_physics() -> bool:

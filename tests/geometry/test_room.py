@@ -4,58 +4,58 @@ from __future__ import annotations
 
 import subprocess
 import sys
+import threading
 
 import numpy as np
 import pytest
 
-from geometry.room import MARGIN, MB, NEEDS, check_room
-from sensing.compiled import COMPILING
+from geometry.arrays import PRODUCT
+from geometry.room import MB, NEEDS, check_room, check_threads
+from geometry.visibility import rays
 
 SIZES = """
-import os, sys
+import sys
 from importlib import import_module
 
 def sizes():
     rows = dict(line.split(":", 1) for line in open("/proc/self/status"))
-    return [int(rows[name].split()[0]) << 10 for name in ("VmSize", "VmData")]
+    return [int(rows[name].split()[0]) << 10 for name in ("VmData", "VmSize")]
 
 *before, what = sys.argv[1:]
 for name in before:
     import_module(name)
 first = sizes()
-for name in what.split(","):
-    import_module(name)
+import_module(what)
 print(*(b - a for a, b in zip(first, sizes())))
 """
-LOOPS = "sensing.views.loops,sensing.pixels.loops,sensing.pixels.painting,sensing.detectors.edge_loops"
 
 
-def taken(*modules, **environment):
-    """Bytes of address space and of memory that the last of them takes, or the last ones together."""
+def taken(*modules):
+    """(2,) bytes of memory and of address space that the last of them takes."""
     run = subprocess.run(
         [sys.executable, "-c", SIZES, *modules],
         capture_output=True,
         text=True,
         check=True,
         timeout=300,
-        env={"OPENBLAS_NUM_THREADS": "1", "PYTHONPATH": ":".join(sys.path)} | environment,
+        env={"OPENBLAS_NUM_THREADS": "1", "PYTHONPATH": ":".join(sys.path)},
     )
-    return [int(each) for each in run.stdout.split()]
+    return np.array(run.stdout.split(), int)
+
+
+MORE = {"scipy.linalg": "scipy.optimize"}
 
 
 @pytest.mark.parametrize("name", NEEDS)
-def test_what_a_library_takes(name):
-    """No more than is asked for, and not far less, but for a few MB."""
-    needs, found = MB * np.array(NEEDS[name]), np.array(taken(*(["numpy"] if name != "numpy" else []), name))
-    assert (found <= MARGIN * needs).all()
-    assert (needs <= np.maximum(2 * found, found + 10 * MB)).all()
+def test_what_a_library_takes_is_asked_for(name):
+    """No less; that it is not far more, ``test_out_of_memory.py`` shows."""
+    found = taken(*(["numpy"] if name != "numpy" else []), MORE.get(name, name))
+    assert (found <= MB * np.array(NEEDS[name])).all()
 
 
-def test_what_the_compiling_of_our_loops_takes(tmp_path):
-    """At most, with nothing kept: of what is compiled when it is called, no more than this is known before."""
-    reserved, memory = taken("cv2", "numba", LOOPS, NUMBA_CACHE_DIR=str(tmp_path))
-    for need, found in zip(COMPILING, (memory, reserved), strict=True):
-        assert found <= MARGIN * need < found * 2
+def test_what_the_first_product_takes_is_asked_for():
+    found = taken("numpy", "geometry.arrays")[0]
+    assert PRODUCT / 2 < found < PRODUCT + 4 * MB  # and a few modules
 
 
 def test_there_is_no_room_for_more_than_there_is():
@@ -63,4 +63,20 @@ def test_there_is_no_room_for_more_than_there_is():
     with pytest.raises(MemoryError):
         check_room(1 << 60)
     with pytest.raises(MemoryError):
-        check_room(0, 1 << 60)
+        check_room(MB, 1 << 60)
+
+
+def test_embree_is_not_started_where_there_are_no_threads(monkeypatch):
+    def none(_):
+        raise RuntimeError("can't start new thread")
+
+    monkeypatch.setattr("embreex.rtcore.EmbreeDevice", lambda: pytest.fail("it was started"))
+    monkeypatch.setattr(threading.Thread, "start", none)
+    with pytest.raises(RuntimeError, match="can't start new thread"):
+        rays._device.__wrapped__()
+
+
+def test_threads_that_were_counted_are_gone():
+    before = threading.active_count()
+    check_threads(5)
+    assert threading.active_count() == before

@@ -73,7 +73,7 @@ def assert_same_answers(subject, goals):
 
 
 @pytest.mark.parametrize("reading", ["score", "posterior"])
-@settings(QUICK, max_examples=100)
+@settings(QUICK, max_examples=200)
 @given(random_situations(most=4), SEEDS)
 def test_two_hundred_situations_equal_problog(reading, subject, seed):
     assert_same_answers(with_support(replace(subject, reading=reading), seed), GOALS)

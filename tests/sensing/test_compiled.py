@@ -19,6 +19,18 @@ from sensing.compiled import compiled
 def added(a, b):
     return a + b
 """
+SIZES = """\
+import cv2, numba
+
+def sizes():
+    rows = dict(line.split(":", 1) for line in open("/proc/self/status"))
+    return [int(rows[name].split()[0]) << 10 for name in ("VmSize", "VmData")]
+
+first = sizes()
+import sensing.views.loops, sensing.pixels.loops, sensing.pixels.painting, sensing.detectors.edge_loops
+print(*(now - before for now, before in zip(sizes(), first)))
+"""
+"""Prints bytes of address space and of memory that our loops take."""
 CUT = {
     "empty": lambda _: b"",
     "cut": lambda data: data[:-20],
@@ -52,18 +64,27 @@ def test_what_is_torn_is_made_anew(tmp_path, signature, suffix, monkeypatch):
     assert len(CUT) == 4
 
 
-def test_a_variable_that_numba_cannot_use_is_told():
-    code = "from geometry.errors import PlogicError\ntry:\n    import sensing.compiled\nexcept PlogicError as error:\n    print(error)"
-    run = subprocess.run(
-        [sys.executable, "-c", code],
+def printed(*lines, **environment):
+    """What a fresh process prints."""
+    paths = ":".join([environment.pop("beside", ""), *sys.path])
+    return subprocess.run(
+        [sys.executable, "-c", "\n".join(lines)],
         capture_output=True,
         text=True,
-        timeout=120,
+        timeout=300,
         check=True,
-        env=os.environ | {"NUMBA_NUM_THREADS": "0", "PYTHONPATH": ":".join(sys.path)},
+        env=os.environ | {"PYTHONPATH": paths} | environment,
+    ).stdout
+
+
+def test_a_variable_that_numba_cannot_use_is_told():
+    code = (
+        "from geometry.errors import PlogicError",
+        "try: import sensing.compiled",
+        "except PlogicError as e: print(e)",
     )
     said = "a variable NUMBA_... of the environment keeps numba from being loaded: Number of threads"
-    assert run.stdout.startswith(said)
+    assert printed(*code, NUMBA_NUM_THREADS="0").startswith(said)
 
 
 def test_what_is_not_compiled_is_as_it_was(monkeypatch):
@@ -76,15 +97,13 @@ def test_where_no_folder_takes_it_each_process_compiles(tmp_path):
     for name in ("__pycache__", "home"):  # files where there should be folders
         (tmp_path / name).touch()
     (tmp_path / "adding.py").write_text(SOURCE.format(""))
-    code = "from adding import added\nfrom sensing.compiled import UNKEPT\nprint(added(2, 3), UNKEPT)"
+    code = "from adding import added", "from sensing.compiled import UNKEPT", "print(added(2, 3), UNKEPT)"
     home = str(tmp_path / "home")
-    paths = ":".join([str(tmp_path), *sys.path])
-    run = subprocess.run(
-        [sys.executable, "-c", code],
-        capture_output=True,
-        text=True,
-        timeout=120,
-        check=True,
-        env=os.environ | {"HOME": home, "XDG_CACHE_HOME": home, "PYTHONPATH": paths},
-    )
-    assert run.stdout == "5 ['added']\n"
+    assert printed(*code, beside=str(tmp_path), HOME=home, XDG_CACHE_HOME=home) == "5 ['added']\n"
+
+
+def test_what_compiling_takes_is_asked_for(tmp_path):
+    """All our loops with none kept; of those that are compiled when called, no more is known before."""
+    reserved, memory = map(int, printed(SIZES, NUMBA_CACHE_DIR=str(tmp_path), OPENBLAS_NUM_THREADS="1").split())
+    for wanted, found in zip(sensing.compiled.COMPILING, (memory, reserved), strict=True):
+        assert found <= wanted < 2 * found

@@ -6,14 +6,14 @@ import errno
 import os
 import resource
 import subprocess
-import threading
 from pathlib import Path
 
 import pytest
 from console import BIN, SECONDS
 
 import cli
-from geometry.room import check_threads
+from plogic.face.shown.printed import tell_unkept
+from plogic.run.health.remains import caches
 
 ALARM = Path(__file__).parents[3] / "examples" / "alarm.pl"
 
@@ -68,11 +68,16 @@ def test_where_no_process_or_thread_can_be_started(error):
     assert cli._told(error) == [said]
 
 
-def test_embree_is_not_asked_for_where_there_are_no_threads(monkeypatch):
-    def none(_):
-        raise RuntimeError("can't start new thread")
+def test_loops_that_are_kept_nowhere_are_told(monkeypatch, capfd):
+    tell_unkept()
+    assert capfd.readouterr() == ("", "")
+    monkeypatch.setattr("sensing.compiled.UNKEPT", ["added", "drawn"])
+    tell_unkept()
+    assert capfd.readouterr().err.startswith("2 loops were compiled for this run alone, as no folder takes them")
 
-    monkeypatch.setattr(threading.Thread, "start", none)
-    with pytest.raises(RuntimeError, match="can't start new thread"):
-        check_threads(1)
-    check_threads(0)
+
+def test_doctor_tells_where_no_folder_takes_loops(monkeypatch):
+    """A user who may write neither to the installation nor to his cache, which no test can be, as root."""
+    monkeypatch.setattr("os.access", lambda *_: False)
+    (found,) = [one for one in caches(fix=False) if one.name == "numba"]
+    assert (found.state, found.remedy) == ("note", "set NUMBA_CACHE_DIR to a folder that can be written to")

@@ -81,6 +81,12 @@ def test_of_a_gamma(large, how, megabytes):
     assert (run.returncode, run.stdout, run.stderr) == (1, "", said(megabytes))
 
 
+def test_what_is_enough_is_not_refused():
+    """500 were enough before room was asked for, and 460 were not."""
+    run = within(600, "perceive", EXAMPLES / "first_gamma.json", "--kb", "first", how="memory")
+    assert run.returncode == 0, run.stderr
+
+
 @pytest.mark.parametrize("megabytes", [100, 130, 220, 250])
 def test_of_a_simulation(tmp_path, megabytes):
     """At these numpy and pybullet ended the process, or a mesh was called unreadable."""
