@@ -2,6 +2,9 @@
 
 A surface is found again by the mesh file's bytes and those of the materials and buffers that it names, its scale, the
 code that reads it, and the libraries' versions.
+
+* ``kept_surface(path, content, scale, folder)``
+* ``mesh_key(path, content, scale, by)``: the name under which what was made of a mesh is kept
 """
 
 import hashlib
@@ -29,9 +32,7 @@ def kept_surface(path: Path, content: bytes, scale: float, folder: Path | None) 
     """
     if folder is None:
         return surface_from_mesh(path, scale)
-    sides = [_digest(side) for side in side_files(path, content) if side.kind != "picture"]
-    said = [_read_by(), f"{path.suffix.lower()} {scale!r}".encode(), *sides, content]
-    key = hashlib.sha256(b"".join(hashlib.sha256(one).digest() for one in said)).hexdigest()
+    key = mesh_key(path, content, scale, read_by(LIBRARIES, SOURCES))
 
     def read() -> dict[str, np.ndarray]:
         surface = surface_from_mesh(path, scale)
@@ -41,8 +42,15 @@ def kept_surface(path: Path, content: bytes, scale: float, folder: Path | None) 
     return Surface(arrays["vertices"], arrays["triangles"])
 
 
+def mesh_key(path: Path, content: bytes, scale: float, by: bytes, *, pictures: bool = False) -> str:
+    """64 hex digits of a mesh file with this content, the files that it names, its scale, and ``by``, who reads it."""
+    sides = [_digest(side) for side in side_files(path, content) if pictures or side.kind != "picture"]
+    said = [by, f"{path.suffix.lower()} {scale!r}".encode(), *sides, content]
+    return hashlib.sha256(b"".join(hashlib.sha256(one).digest() for one in said)).hexdigest()
+
+
 def _digest(side: Side) -> bytes:
-    """What a material or buffer is: a material may decide in what order facets come."""
+    """What a file beside the mesh is: a material may decide in what order facets come."""
     try:
         return side.name.encode() + b"\n" + hashlib.sha256(side.read()).digest()
     except FileNotFoundError:
@@ -50,5 +58,6 @@ def _digest(side: Side) -> bytes:
 
 
 @cache
-def _read_by() -> bytes:
-    return repr([version(name) for name in LIBRARIES]).encode() + source_digest(ROOT, sources_in(ROOT, SOURCES))
+def read_by(libraries: tuple[str, ...], places: tuple[str, ...]) -> bytes:
+    """The versions of libraries, and what our own code in some places of it is."""
+    return repr([version(name) for name in libraries]).encode() + source_digest(ROOT, sources_in(ROOT, places))

@@ -6,6 +6,7 @@
 """
 
 import base64
+import json
 from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import lru_cache
@@ -14,7 +15,11 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from geometry.files.plain_files import content_of
+from geometry.files.remembered import arrays_of, cache_folder
 from kb.clouds.cloud import ObjectType
+from kb.files.folder import MAX_MESH_BYTES
+from kb.files.kept_surfaces import mesh_key, read_by
 from plogic.facts.carried_rows import AssetsRow, PaintRow, TextureRow
 from plogic.run.carried import MOST_TRIANGLES, alike, cells_of, means, whole
 from sensing.errors import SensingError
@@ -55,6 +60,11 @@ SIDES = (2048, 1024, 512, 256, 128)
 """Most pixels of a texture's sides, which are powers of two, largest first, until it is small enough."""
 LARGEST_PAINT, LONGEST_PAINT = 64 * 2**10, 512
 """Bytes and pixels of a texture that an interpretation carries: an object is seldom larger in a photo."""
+SOURCES = "geometry", "sensing", "plogic/run/carried.py", "plogic/run/painted.py"
+LIBRARIES = "numpy", "opencv-python-headless", "trimesh"
+"""What makes a paint of a mesh."""
+KEPT = 512
+"""Paints that are kept from run to run; those used last."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -135,7 +145,24 @@ def paint_assets(types: Mapping[str, ObjectType]) -> AssetsRow:
 
 @lru_cache(maxsize=64)
 def _paint(kind: ObjectType) -> PaintRow | None:
-    """Kept, for the frames of a stream show the same types."""
+    """Kept, for the frames of a stream show the same types, and on disk, for to read a mesh takes trimesh and SciPy."""
+    folder = cache_folder("paints")
+    try:
+        content = b"" if kind.mesh_file is None else content_of(kind.mesh_file, MAX_MESH_BYTES, SensingError)
+    except SensingError:
+        return None
+    if kind.mesh_file is None or folder is None:
+        return _drawn(kind)
+    key = mesh_key(kind.mesh_file, content, kind.mesh_scale, read_by(LIBRARIES, SOURCES), pictures=True)
+
+    def made() -> dict[str, NDArray[np.uint8]]:
+        return {"row": np.frombuffer(json.dumps(_drawn(kind)).encode(), np.uint8)}
+
+    row: PaintRow | None = json.loads(arrays_of(folder / key, ("row",), made, KEPT)["row"].tobytes())
+    return row
+
+
+def _drawn(kind: ObjectType) -> PaintRow | None:
     mesh = painted_mesh(kind)[0]
     if mesh is None or mesh.texture is None:
         return None

@@ -13,7 +13,6 @@ from numpy.typing import NDArray
 
 from geometry.arrays import Bytes, Ints
 from geometry.camera import Camera
-from sensing.pixels.loops import steepest_of
 
 COLOURS = 32
 """Of a photo's palette."""
@@ -71,4 +70,6 @@ def nearest(colours: NDArray[np.float32], palette: NDArray[np.float32]) -> Ints:
 
 def steepest(image: NDArray[np.float32]) -> NDArray[np.float32]:
     """(h, w, 2) slope a pixel, x and y, of the channel of (h, w, C) in which it is steepest."""
+    from sensing.pixels.loops import steepest_of  # numba is there in half a second, and only pixels' evidence needs it
+
     return np.asarray(steepest_of(*(cv2.Scharr(image, cv2.CV_32F, *way) / 32.0 for way in ((1, 0), (0, 1)))))

@@ -39,7 +39,6 @@ from plogic.run.video.video import is_video
 from plogic.run.video.views import Input, views_in
 from plogic.scene.readings.unfinished import REASONS
 from plogic.scene.worlds.predictions import Doubt, said
-from plogic.sequence.unposed.reading import doubts_weighed
 from sensing.appearance import Gamma
 from sensing.files.gamma_files import read_gamma
 from sensing.files.whole_files import check_places, write_files
@@ -84,7 +83,9 @@ def _of_one(source: str, options: Perceiving, say: Say, write: Say) -> int:
     with clock.stage("index"):
         perceiver = perceiver_of(kb, options.generator)
     document = perceiver(gamma, _chosen(options), image, clock)
-    if options.deadline is None:
+    if options.deadline is None and document["doubts"]:
+        from plogic.sequence.unposed.reading import doubts_weighed
+
         with clock.stage("doubts"):
             document = doubts_weighed(document)
     status = _write_all(document, options, image, clock, write)

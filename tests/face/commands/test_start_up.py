@@ -28,7 +28,7 @@ HEAVY = {
 
 def imported(*args):
     """The top-level packages that a run of the script imports."""
-    command = [sys.executable, "-X", "importtime", str(BIN / "plogic"), *args]
+    command = [sys.executable, "-X", "importtime", str(BIN / "plogic"), *map(str, args)]
     run = subprocess.run(command, capture_output=True, text=True, check=False, timeout=60)
     assert run.returncode == 0
     return {name.split(".")[0] for name in re.findall(r"^import time:.*\| +(\S+)$", run.stderr, re.MULTILINE)}
@@ -47,6 +47,16 @@ def test_a_command_that_reads_a_kb_imports_no_simulator_and_no_image_library():
     found = imported("kb", "check", "towers")
     assert "pydantic" in found
     assert not found & {"pybullet", "cv2"}
+
+
+@pytest.mark.parametrize("what", ["image.png", "gamma.json"])
+def test_perceiving_what_was_written_by_hand_imports_no_compiler_and_reads_no_mesh_twice(demo, tmp_path, what):
+    camera = ("--camera", demo / "camera.json") if what == "image.png" else ()
+    good("perceive", demo / what, "--kb", "towers", *camera, "-o", tmp_path / "first.json")
+    found = imported("perceive", demo / what, "--kb", "towers", *camera, "-o", tmp_path / "i.json")
+    assert "networkx" in found, "the list is that of this run"
+    assert not found & {"numba", "trimesh", "scipy", "problog", "pybullet"}
+    assert (tmp_path / "first.json").read_bytes() == (tmp_path / "i.json").read_bytes()
 
 
 def test_every_command_is_in_the_help_and_has_a_help_of_its_own():

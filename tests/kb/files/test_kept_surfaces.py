@@ -47,7 +47,7 @@ def test_what_decides_a_surface_is_in_its_key(tmp_path, monkeypatch, changed):
     mesh.write_bytes(b"mtllib paint.mtl\n" + CUBE.read_bytes())
     (tmp_path / "paint.mtl").write_text("newmtl a\n")
     again(mesh, folder)
-    kept_surfaces._read_by.cache_clear()
+    kept_surfaces.read_by.cache_clear()
     if changed == "content":
         mesh.write_bytes(mesh.read_bytes() + b"# more\n")
     if changed == "materials":
@@ -60,7 +60,7 @@ def test_what_decides_a_surface_is_in_its_key(tmp_path, monkeypatch, changed):
         monkeypatch.setattr(kept_surfaces, "version", lambda _: "0.0")
     again(mesh, folder, 2.0 if changed == "scale" else 1.0)
     monkeypatch.undo()
-    kept_surfaces._read_by.cache_clear()
+    kept_surfaces.read_by.cache_clear()
     assert len(kept_in(folder)) == 2
 
 
