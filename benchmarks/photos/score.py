@@ -12,8 +12,8 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
+from geometry.visibility.rays import depth_of
 from plogic.run.bop.recalls import add, add_s
-from sensing.pixels.crop import depth_of
 
 if TYPE_CHECKING:
     from collections.abc import Collection, Mapping, Sequence

@@ -150,3 +150,14 @@ def behind(
     return mesh.blocks(
         object_from_camera[:3, 3], transform_points(object_from_camera, np.asarray(points_camera)), margin
     )
+
+
+def depth_of(mesh: RayMesh, camera_from_object: Floats, K: Floats, size: tuple[int, int]) -> Floats:
+    """Depths (h, w), m along the optical axis, of a posed surface; inf where it is not.
+
+    ``camera_from_object`` (4, 4), ``K`` (3, 3) of a camera without a lens, ``size`` the picture's width and height.
+    """
+    u, v = np.meshgrid(np.arange(size[0]), np.arange(size[1]))
+    rays = np.stack([(u - K[0, 2]) / K[0, 0], (v - K[1, 2]) / K[1, 1], np.ones(u.shape)], axis=-1).reshape(-1, 3)
+    far = mesh.first_hit(inverse(camera_from_object)[:3, 3][None], rays @ camera_from_object[:3, :3])
+    return np.asarray((far / np.linalg.norm(rays, axis=1)).reshape(u.shape))

@@ -12,8 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from geometry.arrays import Floats, Ints
-from geometry.frames import inverse
-from geometry.visibility.rays import RayMesh
+from geometry.visibility.rays import RayMesh, depth_of
 from sensing.pixels.drawn import Drawn, Paint
 from sensing.pixels.photo import DULLED, Photo, lab_of, nearest, steepest
 
@@ -91,14 +90,6 @@ def crop_of(
     for other, there in before:
         far = np.minimum(far, depth_of(other, there, here, (part.shape[1], part.shape[0])))
     return Crop(lab_of(part), here, whole * share, far, photo.noise, photo.palette)
-
-
-def depth_of(mesh: RayMesh, pose: Floats, K: Floats, size: tuple[int, int]) -> Floats:
-    """(h, w) m along the optical axis of a surface at a pose (4, 4), ``size`` wide and high; inf where it is not."""
-    u, v = np.meshgrid(np.arange(size[0]), np.arange(size[1]))
-    rays = np.stack([(u - K[0, 2]) / K[0, 0], (v - K[1, 2]) / K[1, 1], np.ones(u.shape)], axis=-1).reshape(-1, 3)
-    far = mesh.first_hit(inverse(pose)[:3, 3][None], rays @ pose[:3, :3])
-    return np.asarray((far / np.linalg.norm(rays, axis=1)).reshape(u.shape))
 
 
 def _ideal(photo: Photo, low: NDArray[np.intp], high: NDArray[np.intp]) -> NDArray[np.float32]:

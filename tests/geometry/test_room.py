@@ -30,15 +30,15 @@ print(*(b - a for a, b in zip(first, sizes())))
 """
 
 
-def taken(*modules):
-    """(2,) bytes of memory and of address space that the last of them takes."""
+def taken(*modules, **more):
+    """(2,) bytes of memory and of address space that the last of them takes; ``more`` of the environment."""
     run = subprocess.run(
         [sys.executable, "-c", SIZES, *modules],
         capture_output=True,
         text=True,
         check=True,
         timeout=300,
-        env={"OPENBLAS_NUM_THREADS": "1", "PYTHONPATH": ":".join(sys.path)},
+        env={"OPENBLAS_NUM_THREADS": "1", "PYTHONPATH": ":".join(sys.path), **more},
     )
     return np.array(run.stdout.split(), int)
 
@@ -53,8 +53,10 @@ def test_what_a_library_takes_is_asked_for(name):
     assert (found <= MB * np.array(NEEDS[name])).all()
 
 
-def test_what_the_first_product_takes_is_asked_for():
-    found = taken("numpy", "geometry.arrays")[0]
+@pytest.mark.parametrize("core", [None, "Haswell"], ids=["this processor", "one without AVX-512"])
+def test_what_the_first_product_takes_is_asked_for(core):
+    """Whose small products take nothing has its memory asked for by a large one."""
+    found = taken("numpy", "geometry.arrays", **({} if core is None else {"OPENBLAS_CORETYPE": core}))[0]
     assert PRODUCT / 2 < found < PRODUCT + 4 * MB  # and a few modules
 
 

@@ -12,8 +12,7 @@ from numpy.typing import NDArray
 
 from geometry.arrays import Floats, Mask
 from geometry.frames import transform_points
-from geometry.visibility.rays import RayMesh
-from sensing.pixels.crop import depth_of
+from geometry.visibility.rays import RayMesh, depth_of
 
 SIZE = 220
 """Pixels of the larger side of the picture that lines are taken from: fine enough for the 4,000 triangles carried."""

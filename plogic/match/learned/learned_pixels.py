@@ -17,7 +17,7 @@ import numpy as np
 
 from geometry.bodies.standing import Contact
 from geometry.frames import transform_points
-from geometry.visibility.rays import RayMesh
+from geometry.visibility.rays import RayMesh, depth_of
 from plogic.facts.pixel_table import MOST_BEFORE, PixelTable
 from plogic.match.judged.evidence import evidence
 from plogic.match.judged.expectation import FEWEST
@@ -267,7 +267,7 @@ def _looked_among(
     alone = PixelTable((), (posed.pixels + 0.0,))
     near = {name: other for name, other in others.items() if not apart_on_screen(posed, other, data.camera.f, 0.0)}
     before = {name: body for name, other in near.items() for body in hiding([other])}
-    from sensing.pixels.crop import clear, crop_of, depth_of
+    from sensing.pixels.crop import clear, crop_of
     from sensing.pixels.energy import fit_of
     from sensing.pixels.lines import SLACK
     from sensing.pixels.refine import FINE

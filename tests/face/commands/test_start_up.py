@@ -59,6 +59,12 @@ def test_perceiving_what_was_written_by_hand_imports_no_compiler_and_reads_no_me
     assert (tmp_path / "first.json").read_bytes() == (tmp_path / "i.json").read_bytes()
 
 
+def test_a_page_needs_no_compiler(demo, tmp_path):
+    found = imported("report", demo / "interpretation.json", "-o", tmp_path / "page.html")
+    assert "cv2" in found, "the list is that of this run"
+    assert not found & {"numba", "trimesh", "scipy", "pydantic"}
+
+
 def test_every_command_is_in_the_help_and_has_a_help_of_its_own():
     names = re.findall(r"^  ([a-z-]+) {2,}\S", good("--help").split("Commands:")[1], re.MULTILINE)
     assert set(names) >= {
