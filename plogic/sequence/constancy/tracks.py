@@ -110,14 +110,13 @@ def _taken_up(sights: Sights, tracks: Tracks, v: int) -> Indices:
     As they were where there is none, or one already.
     """
     grown = tracks.data.copy()
-    free = np.flatnonzero(tracks.data[:, v] < 0)
-    if not len(free) or not sights.xy.shape[1]:
-        return grown
-    squared = _squared(sights, tracks.take(free), v)
-    squared[sights.kind[v][None] != tracks.kind[free][:, None]] = np.inf
-    nearest = squared.argmin(axis=1)
-    close = squared[np.arange(len(free)), nearest] < GATE
-    grown[free[close], v] = nearest[close]
+    free = np.flatnonzero(tracks.data[:, v] < 0 if sights.xy.shape[1] else [])
+    for some in blocks(free, sights.xy.shape[1]):
+        squared = _squared(sights, tracks.take(some), v)
+        squared[sights.kind[v][None] != tracks.kind[some][:, None]] = np.inf
+        nearest = squared.argmin(axis=1)
+        close = squared[np.arange(len(some)), nearest] < GATE
+        grown[some[close], v] = nearest[close]
     return grown
 
 
@@ -155,11 +154,25 @@ def _between(sights: Sights, i: int, j: int) -> Indices:
     """(T, V) those of two views."""
     if np.linalg.norm(sights.eye[i] - sights.eye[j]) < LEAST_BASELINE:
         return np.zeros((0, len(sights.views)), np.intp)
-    a, b = np.nonzero((sights.kind[i][:, None] == sights.kind[j]) & (sights.kind[i] >= 0)[:, None])
-    close = sampson(sights, i, j, a, b) < PAIR_GATE
-    tracks = np.full((int(close.sum()), len(sights.views)), -1, np.intp)
-    tracks[:, i], tracks[:, j] = a[close], b[close]
+    found = [np.zeros((0, 2), np.intp)]
+    for some in blocks(np.flatnonzero(sights.kind[i] >= 0), len(sights.kind[j])):
+        a, b = np.nonzero(sights.kind[i, some][:, None] == sights.kind[j])
+        close = sampson(sights, i, j, some[a], b) < PAIR_GATE
+        found.append(np.column_stack([some[a[close]], b[close]]))
+    pairs = np.concatenate(found)
+    tracks = np.full((len(pairs), len(sights.views)), -1, np.intp)
+    tracks[:, [i, j]] = pairs
     return tracks
+
+
+BLOCK = 1_000_000
+"""Pairs that are looked at together, some 200 bytes each: a photo has thousands of data of its commonest word."""
+
+
+def blocks(rows: Indices, columns: int) -> list[Indices]:
+    """Rows (N,) in pieces, of each of which with so many columns there are at most ``BLOCK`` pairs, or one row."""
+    size = max(1, BLOCK // max(1, columns))
+    return [rows[start : start + size] for start in range(0, len(rows), size)]
 
 
 def sampson(sights: Sights, i: int, j: int, a: Indices, b: Indices) -> Floats:
