@@ -125,31 +125,16 @@ def canonical(term: Small, seen: dict[Ref, Small] | None = None) -> Small:
     return (term[0], *(canonical(argument, atoms) for argument in term[1:])) if isinstance(term, tuple) else term
 
 
-INFIX = frozenset(
-    {
-        "=",
-        "\\=",
-        "==",
-        "\\==",
-        "is",
-        "<",
-        ">",
-        "=<",
-        ">=",
-        "=:=",
-        "=\\=",
-        "=..",
-        "+",
-        "-",
-        "*",
-        "/",
-        "//",
-        "**",
-        "^",
-        "mod",
-    }
-)
-TIGHT = frozenset({"+", "-", "*", "/", "//", "**", "^"})
+PRIORITY = {
+    **dict.fromkeys(("=", "\\=", "==", "\\==", "is", "<", ">", "=<", ">=", "=:=", "=\\=", "=.."), 700),
+    **dict.fromkeys(("+", "-"), 500),
+    **dict.fromkeys(("*", "/", "//", "mod", "^"), 400),
+    "**": 200,
+}
+"""Of the operators between two terms, as ProbLog reads them: the least binds first."""
+ROWS = frozenset({"+", "-", "*", "/", "//", "mod"})
+"""Those of which ``a - b - c`` is ``(a - b) - c``."""
+TIGHT = frozenset(PRIORITY) & frozenset(["+", "-", "*", "/", "//", "**", "^"])
 
 
 BETWEEN = {(":-", 2): " :- ", (",", 2): ", ", (";", 2): " ; "}
@@ -183,10 +168,16 @@ def _text(goal: Small, names: Names | None) -> str:
 
 def _compound(goal: Small, names: Names | None) -> str:
     name, arity = signature(goal)
-    if arity == 2 and name in INFIX and not (name == "/" and names is not None):
-        sides = [f"({_text(s, names)})" if _binds_looser(s, name) else _text(s, names) for s in goal[1:]]
-        return name.join(sides) if name in TIGHT else f" {name} ".join(sides)
-    if name in INFIX:
+    if arity == 2 and name in PRIORITY and not (names is not None and _is_node(goal)):
+        left, right = (_text(side, names) for side in goal[1:])
+        row = name in ROWS and signature(goal[1]) in [(one, 2) for one in ROWS]
+        left = f"({left})" if _priority(goal[1]) >= PRIORITY[name] + row else left
+        right = f"({right})" if _priority(goal[2]) >= PRIORITY[name] or (name in TIGHT and right[0] in "+-") else right
+        return f"{left}{name}{right}" if name in TIGHT else f"{left} {name} {right}"
+    if arity == 1 and name in ("-", "+"):
+        inner = _text(goal[1], names)
+        return f"{name}({inner})" if _priority(goal[1]) or inner[0] in "+-" else f"{name}{inner}"
+    if name in PRIORITY:
         return shown(problog_term(goal), names)
     return f"{goal[0]}({_arguments(goal, names)})" if names is None else _named(goal, names)
 
@@ -200,11 +191,15 @@ def _arguments(goal: Small, names: Names | None) -> str:
     return ", ".join(f"({_text(a, names)})" if signature(a) in BETWEEN else _text(a, names) for a in goal[1:])
 
 
-def _binds_looser(term: Small, operator: str) -> bool:
+def _priority(term: Small) -> int:
+    """Of the operator that it is written with, 0 without one."""
     name, arity = signature(term)
-    return (
-        arity == 2 and name in INFIX and operator in TIGHT and (name not in TIGHT or (name in "+-" and operator != "+"))
-    )
+    return PRIORITY.get(name, 0) if arity == 2 else 200 if arity == 1 and name in ("-", "+") else 0
+
+
+def _is_node(term: Small) -> bool:
+    """``h1/roof``, a hypothesis and a part of it, and no division."""
+    return signature(term) == ("/", 2) and all(isinstance(side, tuple) and is_atom(side) for side in term[1:])
 
 
 def _list(goal: Small, names: Names | None) -> str:
