@@ -31,6 +31,7 @@ from plogic.face.shown.options import (
     INTERPRETATION,
     KB,
     MARKS,
+    PLACE,
     READING,
     READINGS,
     RECONSIDER,
@@ -101,19 +102,15 @@ def demo(out: Path | None, seed: int, reading: Any, look_again: bool, paper: boo
 
 
 @cli.command()
-@click.argument("inputs", metavar="INPUT...", nargs=-1, required=True)
+@click.argument("inputs", metavar="INPUT...", nargs=-1, required=True, type=PLACE)
 @KB
 @CAMERA
 @click.option(
     "--poses",
-    type=click.Path(),
+    type=PLACE,
     help="Where the camera stood for each of several INPUTs: `poses/1` or a TUM trajectory.",
 )
-@click.option(
-    "--stereo",
-    type=click.Path(),
-    help="Calibration of a pair, `stereo/1`: two INPUTs, the left and the right image or Γ.",
-)
+@click.option("--stereo", type=PLACE, help="Calibration of a pair, `stereo/1`: two INPUTs, left and right image or Γ.")
 @FIRST_READING
 @RECONSIDER
 @DV_OVER
@@ -190,7 +187,7 @@ def query(source: str, goal: str | None, given: tuple[str, ...], as_json: bool, 
     metavar="TYPE",
     help="Instead of a GOAL: how far a type came that was not found, and why (--json: by visual word).",
 )
-@click.option("--kb", "kb_folder", help="With --missing: the knowledge base, for the cause.")
+@click.option("--kb", "kb_folder", type=PLACE, help="With --missing: the knowledge base, for the cause.")
 @click.option(
     "-n", "number", type=click.IntRange(1), help="Explanations of each kind (default: 5; of present(h), a summary)."
 )
@@ -242,8 +239,8 @@ def shell(source: str, **options: Any) -> None:
 
 
 @cli.command()
-@click.argument("interpretation", metavar="[INTERPRETATION]", required=False)
-@click.option("--kb", "kb_folder", help="Folder of a knowledge base, or a shipped one: print Σ alone.")
+@click.argument("interpretation", metavar="[INTERPRETATION]", required=False, type=PLACE)
+@click.option("--kb", "kb_folder", type=PLACE, help="Folder of a knowledge base, or a shipped one: print Σ alone.")
 @WITHHOLD
 @READING
 @AS_JSON

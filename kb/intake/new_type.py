@@ -351,6 +351,7 @@ def new_kb_files(name: str) -> dict[str, bytes]:
     """
     if not SAFE_NAME.fullmatch(name):
         raise IntakeError(
-            f"{name!r:.60} is no name for a knowledge base: letters, digits, '_', '-' and '.'; give one with --name"
+            f"{name!r:.60} is no name for a knowledge base: letters, digits, '_', '-' and '.';"
+            " give one with plogic kb new FOLDER --name NAME"
         )
     return {"kb.yaml": KB_YAML.format(name=json.dumps(name)).encode(), "rules.pl": RULES.encode()} | schema_files()

@@ -268,13 +268,17 @@ def accepted_in(document: Interpretation) -> tuple[str, ...]:
     return tuple(f"{h['id']} {h['type']} ({_chance(h)})" for h in document["hypotheses"] if h["status"] == "accepted")
 
 
+EVEN = 1e-9
+"""Of two equal probabilities, how much larger the one may come out by rounding."""
+
+
 def surpassed(document: Interpretation) -> dict[str, str]:
     """Of each accepted hypothesis, by id, that has a more probable rival: that one, in words."""
     chances = {h["id"]: h["probability"] for h in document["hypotheses"] if h["status"] == "accepted"}
     return {
         name: f"{best['id']} ({best.get('label') or best['type']}, P {_chance(best)}) is a more probable reading of the same data"
         for name, best in best_rivals(document).items()
-        if best["probability"] > chances[name]
+        if best["probability"] > chances[name] + EVEN
     }
 
 

@@ -6,7 +6,7 @@ from typing import Any
 import click
 
 from plogic.base.errors import InputError
-from plogic.face.shown.options import AS_JSON, SEED, Learning, Photo, camera_options
+from plogic.face.shown.options import AS_JSON, PLACE, SEED, Learning, Photo, camera_options
 from plogic.face.shown.printed import emit, hand_over, say
 from plogic.run.cameras import GivenCamera
 
@@ -126,7 +126,7 @@ def kb_import(source: Path, kb_folder: Path, units: str | None, as_json: bool) -
 
 
 @kb.command("check")
-@click.argument("folder")
+@click.argument("folder", type=PLACE)
 @AS_JSON
 def kb_check(folder: str, as_json: bool) -> None:  # noqa: FBT001 - click hands over flags
     """Report every mistake of a knowledge base at its file, line and column, and what in it may be meant otherwise."""
@@ -136,7 +136,7 @@ def kb_check(folder: str, as_json: bool) -> None:  # noqa: FBT001 - click hands 
 
 
 @kb.command("show")
-@click.argument("folder")
+@click.argument("folder", type=PLACE)
 @click.argument("name", metavar="[TYPE]", required=False)
 @click.option("--html", metavar="FILE", help="Write a page that shows TYPE in 3D instead; `-` is stdout.")
 @click.option("--geometry", is_flag=True, help="Show mereology, faces, vector pencils and sets of four that converge.")
@@ -159,8 +159,8 @@ def kb_show(folder: str, name: str | None, html: str | None, geometry: bool, as_
 
 
 @kb.command("measures")
-@click.argument("folder")
-@click.option("--gamma", type=click.Path(), help="A Γ to rank the types by.")
+@click.argument("folder", type=PLACE)
+@click.option("--gamma", type=PLACE, help="A Γ to rank the types by.")
 @AS_JSON
 def kb_measures(folder: str, gamma: str | None, as_json: bool) -> None:  # noqa: FBT001 - click hands over flags
     """Print |S(F)|, P(dv) and dv of every feature type; with a Γ, the rank of every object type."""
@@ -179,8 +179,10 @@ def kb_schema(which: Any) -> None:  # noqa: ANN401 - click's choice
 
 
 @kb.command("learn-rates")
-@click.argument("scenes", nargs=-1, required=True, metavar="SCENES...")
-@click.option("--kb", "kb_folder", required=True, help="Folder of the knowledge base whose kb.yaml is written.")
+@click.argument("scenes", nargs=-1, required=True, metavar="SCENES...", type=PLACE)
+@click.option(
+    "--kb", "kb_folder", required=True, type=PLACE, help="Folder of the knowledge base whose kb.yaml is written."
+)
 @click.option("--add", is_flag=True, help="Add to the counts that the KB has, instead of starting anew.")
 @click.option("--dry-run", is_flag=True, help="Only print: write nothing.")
 @AS_JSON
@@ -197,9 +199,11 @@ def kb_learn_rates(scenes: tuple[str, ...], kb_folder: str, add: bool, dry_run: 
 
 
 @kb.command("assimilate")
-@click.argument("panorama")
+@click.argument("panorama", type=PLACE)
 @click.argument("unknown", metavar="UNKNOWN_ID")
-@click.option("--kb", "kb_folder", required=True, help="Folder of the knowledge base that the type goes into.")
+@click.option(
+    "--kb", "kb_folder", required=True, type=PLACE, help="Folder of the knowledge base that the type goes into."
+)
 @click.option("--name", required=True, help="Name of the new type.")
 @AS_JSON
 def kb_assimilate(panorama: str, unknown: str, kb_folder: str, name: str, as_json: bool) -> None:  # noqa: FBT001 - click hands over flags

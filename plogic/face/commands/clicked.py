@@ -20,6 +20,7 @@ from plogic.face.shown.options import (
     INTERPRETATION,
     KB,
     MARKS,
+    PLACE,
     READING,
     RECONSIDER,
     SEED,
@@ -43,7 +44,7 @@ FORMATS = (
 
 
 @click.command(context_settings=HELP)
-@click.argument("inputs", metavar="INPUTS...", nargs=-1, required=True)
+@click.argument("inputs", metavar="INPUTS...", nargs=-1, required=True, type=PLACE)
 @KB
 @click.option(
     "--jobs",
@@ -115,7 +116,7 @@ def batch(inputs: tuple[str, ...], kb_folder: str, **options: Any) -> None:  # n
 
 
 @click.command(context_settings=HELP)
-@click.argument("source", metavar="CAMERA|FILE|-")
+@click.argument("source", metavar="CAMERA|FILE|-", type=PLACE)
 @KB
 @camera_options("A stream tells none: one of these is needed.")
 @click.option("--every", type=click.IntRange(1), default=1, show_default=True, help="Take each so many-th frame.")
@@ -159,14 +160,14 @@ def watch(source: str, kb_folder: str, **options: Any) -> None:  # noqa: ANN401 
 
 
 @click.command(context_settings=HELP)
-@click.argument("dataset", metavar="DATASET")
+@click.argument("dataset", metavar="DATASET", type=PLACE)
 @KB
 @click.option(
     "-o", "--out", required=True, help="Results file (CSV) to write; `-` is stdout, and scores then go to stderr."
 )
 @click.option(
     "--ids",
-    type=click.Path(),
+    type=PLACE,
     help='BOP numbers of the types as JSON, {"003_cracker_box": 2}; obj_000002 and the dataset\'s own names need none.',
 )
 @click.option(

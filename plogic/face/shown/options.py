@@ -17,15 +17,17 @@ from plogic.run.cameras import NOTHING_GIVEN, GivenCamera
 READINGS = click.Choice(["score", "posterior"])
 SEED = click.IntRange(0)
 MODES = click.Choice(["to_B", "drop", "reassign"])
-INTERPRETATION = click.argument("interpretation", metavar="INTERPRETATION")
-SOURCE = click.argument("source", metavar="INTERPRETATION|PROGRAM.pl")
+PLACE = click.Path(readable=False)
+"""A file or folder, or ``-``: nothing is checked of it here, but shells complete its name."""
+INTERPRETATION = click.argument("interpretation", metavar="INTERPRETATION", type=PLACE)
+SOURCE = click.argument("source", metavar="INTERPRETATION|PROGRAM.pl", type=PLACE)
 GIVEN = click.option(
     "--given",
     multiple=True,
     metavar="EVIDENCE",
     help="A literal that is observed; may be repeated. Of one with variables some instance holds.",
 )
-RULES = click.option("--rules", type=click.Path(), help="A file of your own rules.")
+RULES = click.option("--rules", type=PLACE, help="A file of your own rules.")
 READING = click.option(
     "--reading", type=READINGS, help="The other reading of the same Δh (default: the interpretation's own)."
 )
@@ -68,7 +70,11 @@ class Number(click.FloatRange):
 
 
 KB = click.option(
-    "--kb", "kb_folder", required=True, help="Folder of the knowledge base; `first` and `towers` are shipped."
+    "--kb",
+    "kb_folder",
+    required=True,
+    type=PLACE,
+    help="Folder of the knowledge base; `first` and `towers` are shipped.",
 )
 EVERY = click.option(
     "--every", type=click.IntRange(1), default=1, show_default=True, help="Of a video, each so many-th frame."

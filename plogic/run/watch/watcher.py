@@ -80,8 +80,8 @@ class Watcher:
     def __call__(self, moment: Moment) -> Seen:
         """What a frame shows.
 
-        Raises PlogicError where no frame can show anything: nothing tells the camera, or it is of another size, or no
-        detector reports a type of the KB.
+        Raises PlogicError where the first frame cannot show anything, nor others then: nothing tells the camera, or it
+        is of another size, or no detector reports a type of the KB. Of a later frame that is its line.
         """
         begun = monotonic()
         return self._seen(moment)._replace(seconds=monotonic() - begun)
@@ -97,8 +97,13 @@ class Watcher:
         if moment.pixels is None:
             return self._wrong(frame, moment.fault or "cannot be read", row)
         clock, chosen = Stopwatch(), self.settings
-        shot = self._shot(moment.pixels, self.name(moment))
-        gamma = detected(shot.image, shot.camera, self.perceiver.kb, clock)
+        try:
+            shot = self._shot(moment.pixels, self.name(moment))
+            gamma = detected(shot.image, shot.camera, self.perceiver.kb, clock)
+        except PlogicError as error:
+            if moment.number == 0:
+                raise
+            return self._wrong(frame, str(error), row)
         end = monotonic() + chosen.deadline if chosen.deadline is not None else None
         options = Options(chosen.reading, chosen.reconsider, chosen.smoothing, end)
         try:

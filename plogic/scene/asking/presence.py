@@ -172,7 +172,7 @@ def _sure(view: View) -> Iterator[str]:
 def _by_type(features: list[FeatureFact], *, name_all: bool) -> str:
     """``1 apex, 5 corner, 12 patch``; with the features' names where they are few or speak against it."""
     types: dict[str, list[FeatureFact]] = {}
-    for f in sorted(features, key=lambda f: -f.dv):
+    for f in sorted((f for f in features if f.stands_for), key=lambda f: -f.dv):  # parts of a compound stand for none
         types.setdefault(f.type, []).append(f)
     if len(types) > TYPES:
         return f"{_count(features)} features of {len(types)} types ({listed([f.id for f in features if f.stands_for == 1])})"

@@ -74,7 +74,7 @@ def test_a_name_of_its_own(tmp_path):
     assert read_kb(tmp_path / "a b").name == "kitchen"
     done = plogic("kb", "new", tmp_path / "c d")
     assert (done.returncode, (tmp_path / "c d").exists()) == (1, False)
-    assert "give one with --name" in done.stderr
+    assert "give one with plogic kb new FOLDER --name NAME" in done.stderr
 
 
 def test_an_example_to_start_from_is_found_in_its_own_scene(tmp_path):

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import re
 import shutil
 import subprocess
@@ -32,6 +33,34 @@ def test_bash_takes_the_script_and_completes_commands():
         env={"PATH": f"{BIN}:/usr/bin:/bin"},
     )
     assert done.stdout.split() == ["learn", "learn-rates"]
+
+
+@pytest.mark.parametrize(
+    "words",
+    [
+        "perceive i",
+        "query i",
+        "worlds i",
+        "explain i",
+        "report i",
+        "batch i",
+        "watch i",
+        "settle i",
+        "bop d",
+        "program i",
+        "kb check k",
+        "kb show k",
+        "perceive i.png --kb k",
+        "query i.json --rules r",
+    ],
+)
+def test_names_of_files_are_completed(words):
+    asked = {"_PLOGIC_COMPLETE": "bash_complete", "COMP_WORDS": f"plogic {words}"}
+    asked |= {"COMP_CWORD": str(len(words.split()))}
+    done = subprocess.run(
+        [str(BIN / "plogic")], capture_output=True, text=True, check=True, env={**os.environ, **asked}
+    )
+    assert done.stdout.startswith("file,")
 
 
 def test_another_shell_is_bad_usage():

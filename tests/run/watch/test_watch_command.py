@@ -171,6 +171,14 @@ def test_ctrl_c_ends_it_with_a_line(small, tmp_path, how, number, status):
     assert "Traceback" not in said
 
 
+def test_a_later_picture_of_another_size_is_a_line_and_no_stop(small):
+    mixed = png(SMALL[0]) + png(pictures(1, 32, 32)[0]) + png(SMALL[2])
+    done = piped(mixed, small, "--short")
+    assert [row["status"] for row in rows_of(done.stdout)] == ["done", "error", "done"]
+    assert "the camera is 64x48" in done.stderr.decode()
+    assert done.returncode == 1
+
+
 REFUSED = {
     "text": (b"this is no picture", [], "<stdin>: has no JPEG, PNG or PNM picture"),
     "nothing": (b"", [], "<stdin>: has no frame"),
