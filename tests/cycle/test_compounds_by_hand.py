@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from functools import cache
 
 import numpy as np
@@ -10,7 +11,9 @@ from box_kb import CAMERA, box_kb, corner_rows, feature_row, seen
 
 from geometry.frames import look_at
 from plogic.cycle.delta import Options
+from plogic.facts.interpretation import situation_of
 from plogic.run.perceive import Perceiver
+from plogic.scene.asking.presence import presence
 from sensing.appearance import Appearance, Gamma
 
 POSE = look_at((0.55, 0.4, 0.5), (0.0, 0.0, 0.0))
@@ -22,7 +25,7 @@ PARTS = {"left": (-0.012, 0.0), "right": (0.012, 0.004), "low": (0.0, -0.013)}
 
 
 @cache
-def kb_with(*parts):
+def kb_with(*parts, look="dot"):
     """A box with corners and three dots, d0 a compound of these parts, each by name and place; without any, an atom."""
     rows = corner_rows(np.full(3, 0.1))
     rows += [
@@ -30,7 +33,7 @@ def kb_with(*parts):
     ]
     if parts:
         rows.append(f"  - feature: d0\n    type: dot\n    at: {[*DOTS['d0'], 0.1]}\n    features:\n")
-        rows += [feature_row(name, "dot", (x, y, 0.0), UP, 80, "      ") for name, (x, y) in parts]
+        rows += [feature_row(name, look, (x, y, 0.0), UP, 80, "      ") for name, (x, y) in parts]
     return box_kb("box", np.full(3, 0.1), rows)
 
 
@@ -78,6 +81,16 @@ def test_one_part_is_enough_and_no_datum_of_another_is_noise(lost):
     assert row["ev"] == pytest.approx(1.0)
     assert row["support"]["dot"]["expected_detected"] == 3
     assert noise == 0
+
+
+@pytest.mark.parametrize("reading", ["score", "posterior"])
+def test_the_parts_beside_the_one_that_stands_for_it_are_not_counted_as_none(reading):
+    kb = kb_with(*THREE, look="knob")
+    document = Perceiver(kb)(gamma_of(kb, ()), Options(reading=reading))
+    (name,) = document["worlds"][0]["present"]
+    lines = presence(situation_of(document), name, [name])
+    assert any("corner" in line for line in lines)
+    assert not any(re.search(r"\b0 \w+", line) for line in lines if "detected:" in line)
 
 
 def test_in_the_posterior_it_is_missed_once_and_not_beside_a_part_that_is_found():
