@@ -3,6 +3,7 @@
 import math
 from collections.abc import Iterable
 from functools import reduce
+from typing import TypeVar
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -15,6 +16,8 @@ Ints = NDArray[np.int64]  # any shape
 Indices = NDArray[np.intp]  # any shape, what numpy takes as an index
 Mask = NDArray[np.bool_]  # any shape
 Bytes = NDArray[np.uint8]  # any shape: pixels, descriptors
+
+Number = TypeVar("Number", bound=np.generic)
 
 PRODUCT = 32 * MB
 """Bytes that OpenBLAS takes at the first product, and ends the process without: here, where they are asked for.
@@ -66,6 +69,12 @@ def summed(values: Floats) -> Floats:
 def lengths(vectors: Floats) -> Floats:
     """The Euclidean lengths (...) along such an axis."""
     return np.asarray(np.sqrt(summed(vectors * vectors)))
+
+
+def pieces(rows: NDArray[Number], each: int, most: int) -> list[NDArray[Number]]:
+    """`rows` (N, ...) cut so that no piece makes more than `most` of anything where one row makes `each`."""
+    size = max(1, most // max(each, 1))
+    return [rows[start : start + size] for start in range(0, len(rows), size)]
 
 
 def numbers_of(value: object, count: int, below: float = math.inf) -> Floats | None:

@@ -146,13 +146,12 @@ def paint_assets(types: Mapping[str, ObjectType]) -> AssetsRow:
 @lru_cache(maxsize=64)
 def _paint(kind: ObjectType) -> PaintRow | None:
     """Kept, for the frames of a stream show the same types, and on disk, for to read a mesh takes trimesh and SciPy."""
-    folder = cache_folder("paints")
+    if kind.mesh_file is None or (folder := cache_folder("paints")) is None:
+        return _drawn(kind)
     try:
-        content = b"" if kind.mesh_file is None else content_of(kind.mesh_file, MAX_MESH_BYTES, SensingError)
+        content = content_of(kind.mesh_file, MAX_MESH_BYTES, SensingError)
     except SensingError:
         return None
-    if kind.mesh_file is None or folder is None:
-        return _drawn(kind)
     key = mesh_key(kind.mesh_file, content, kind.mesh_scale, read_by(LIBRARIES, SOURCES), pictures=True)
 
     def made() -> dict[str, NDArray[np.uint8]]:

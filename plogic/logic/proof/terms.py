@@ -134,7 +134,8 @@ PRIORITY = {
 """Of the operators between two terms, as ProbLog reads them: the least binds first."""
 ROWS = frozenset({"+", "-", "*", "/", "//", "mod"})
 """Those of which ``a - b - c`` is ``(a - b) - c``."""
-TIGHT = frozenset(PRIORITY) & frozenset(["+", "-", "*", "/", "//", "**", "^"])
+TIGHT = frozenset(PRIORITY) - {"mod"} - {name for name, priority in PRIORITY.items() if priority == 700}
+"""Those that are written without blanks."""
 
 
 BETWEEN = {(":-", 2): " :- ", (",", 2): ", ", (";", 2): " ; "}
@@ -169,10 +170,9 @@ def _text(goal: Small, names: Names | None) -> str:
 def _compound(goal: Small, names: Names | None) -> str:
     name, arity = signature(goal)
     if arity == 2 and name in PRIORITY and not (names is not None and _is_node(goal)):
-        left, right = (_text(side, names) for side in goal[1:])
-        row = name in ROWS and signature(goal[1]) in [(one, 2) for one in ROWS]
-        left = f"({left})" if _priority(goal[1]) >= PRIORITY[name] + row else left
-        right = f"({right})" if _priority(goal[2]) >= PRIORITY[name] or (name in TIGHT and right[0] in "+-") else right
+        own, chained = PRIORITY[name], {name, signature(goal[1])[0]} <= ROWS
+        left, right = _side(goal[1], own + chained, names), _side(goal[2], own, names)
+        right = f"({right})" if name in TIGHT and right[0] in "+-" else right
         return f"{left}{name}{right}" if name in TIGHT else f"{left} {name} {right}"
     if arity == 1 and name in ("-", "+"):
         inner = _text(goal[1], names)
@@ -195,6 +195,11 @@ def _priority(term: Small) -> int:
     """Of the operator that it is written with, 0 without one."""
     name, arity = signature(term)
     return PRIORITY.get(name, 0) if arity == 2 else 200 if arity == 1 and name in ("-", "+") else 0
+
+
+def _side(term: Small, limit: int, names: Names | None) -> str:
+    """A side of an operator, in parentheses where its own priority reaches the limit."""
+    return f"({_text(term, names)})" if _priority(term) >= limit else _text(term, names)
 
 
 def _is_node(term: Small) -> bool:

@@ -30,6 +30,7 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from geometry.arrays import pieces
 from geometry.camera import Camera
 from geometry.frames import inverse
 from plogic.base.errors import InputError
@@ -124,7 +125,7 @@ def mssd(estimates: ArrayLike, truths: ArrayLike, points: ArrayLike, symmetries:
     def one(estimate: NDArray[np.float64], truth: NDArray[np.float64]) -> float:
         return min(
             float(np.linalg.norm(_moved(estimate - truth @ part, cloud), axis=-1).max(axis=1).min())
-            for part in _parts(own, len(cloud))
+            for part in pieces(own, len(cloud), AT_ONCE)
         )
 
     return _each(one, estimates, truths)
@@ -143,7 +144,7 @@ def mspd(
         seen = _projected(_moved(estimate[None], cloud), matrix)
         if not np.isfinite(seen).all():
             return np.inf
-        parts = (_projected(_moved(truth @ part, cloud), matrix) for part in _parts(own, len(cloud)))
+        parts = (_projected(_moved(truth @ part, cloud), matrix) for part in pieces(own, len(cloud), AT_ONCE))
         return min(
             float(np.nan_to_num(np.linalg.norm(seen - part, axis=-1), nan=np.inf).max(axis=1).min()) for part in parts
         )
@@ -184,12 +185,6 @@ def _projected(points: NDArray[np.float64], K: NDArray[np.float64]) -> NDArray[n
     """Pixels (B, N, 2) of points (B, N, 3) in the camera frame; NaN where z is not positive."""
     depth = np.where(points[..., 2:] > 0, points[..., 2:], np.nan)
     return np.asarray((points / depth) @ K[:2].T)
-
-
-def _parts(rows: NDArray[np.float64], each: int) -> list[NDArray[np.float64]]:
-    """``rows`` (S, ...) cut so that no part makes more than ``AT_ONCE`` points where one makes ``each``."""
-    size = max(1, AT_ONCE // max(each, 1))
-    return [rows[i : i + size] for i in range(0, len(rows), size)]
 
 
 def _each(

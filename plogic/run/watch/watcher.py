@@ -101,7 +101,7 @@ class Watcher:
             shot = self._shot(moment.pixels, self.name(moment))
             gamma = detected(shot.image, shot.camera, self.perceiver.kb, clock)
         except PlogicError as error:
-            if moment.number == 0:
+            if moment.number == moment.skipped:  # the first that is looked at
                 raise
             return self._wrong(frame, str(error), row)
         end = monotonic() + chosen.deadline if chosen.deadline is not None else None

@@ -8,7 +8,7 @@ from itertools import combinations
 
 import numpy as np
 
-from geometry.arrays import Floats, Indices, Mask
+from geometry.arrays import Floats, Indices, Mask, pieces
 from plogic.match.gamma.data import Columns
 from plogic.sequence.constancy.sight_lines import Places, Sights, places_of
 
@@ -111,7 +111,7 @@ def _taken_up(sights: Sights, tracks: Tracks, v: int) -> Indices:
     """
     grown = tracks.data.copy()
     free = np.flatnonzero(tracks.data[:, v] < 0 if sights.xy.shape[1] else [])
-    for some in blocks(free, sights.xy.shape[1]):
+    for some in pieces(free, sights.xy.shape[1], BLOCK):
         squared = _squared(sights, tracks.take(some), v)
         squared[sights.kind[v][None] != tracks.kind[some][:, None]] = np.inf
         nearest = squared.argmin(axis=1)
@@ -155,7 +155,7 @@ def _between(sights: Sights, i: int, j: int) -> Indices:
     if np.linalg.norm(sights.eye[i] - sights.eye[j]) < LEAST_BASELINE:
         return np.zeros((0, len(sights.views)), np.intp)
     found = [np.zeros((0, 2), np.intp)]
-    for some in blocks(np.flatnonzero(sights.kind[i] >= 0), len(sights.kind[j])):
+    for some in pieces(np.flatnonzero(sights.kind[i] >= 0), len(sights.kind[j]), BLOCK):
         a, b = np.nonzero(sights.kind[i, some][:, None] == sights.kind[j])
         close = sampson(sights, i, j, some[a], b) < PAIR_GATE
         found.append(np.column_stack([some[a[close]], b[close]]))
@@ -166,13 +166,10 @@ def _between(sights: Sights, i: int, j: int) -> Indices:
 
 
 BLOCK = 1_000_000
-"""Pairs that are looked at together, some 200 bytes each: a photo has thousands of data of its commonest word."""
+"""Pairs that are looked at together: a photo has thousands of data of its commonest word.
 
-
-def blocks(rows: Indices, columns: int) -> list[Indices]:
-    """Rows (N,) in pieces, of each of which with so many columns there are at most ``BLOCK`` pairs, or one row."""
-    size = max(1, BLOCK // max(1, columns))
-    return [rows[start : start + size] for start in range(0, len(rows), size)]
+At most 400 bytes each (``tests/sequence/constancy/test_many_alike.py``).
+"""
 
 
 def sampson(sights: Sights, i: int, j: int, a: Indices, b: Indices) -> Floats:
