@@ -15,7 +15,7 @@ from console import good
 
 from cli import cli
 from plogic.cycle.judging import FEWEST
-from plogic.cycle.state import MOST_RIVALS
+from plogic.cycle.state import MOST_EQUAL, MOST_RIVALS
 from plogic.facts.dependence import LARGEST_BLOCK, MOST_OCCLUDERS
 from plogic.facts.vocabulary import VOCABULARY
 from plogic.match.hand.links import MOST_PAIRS
@@ -47,6 +47,7 @@ FIGURES = [
     (f"without its {WORDS[FIXED_BY]} best matches", "how-it-works.md"),
     (f"beyond {SHARED_VOLUME * 100:g} % of the smaller one", "how-it-works.md"),
     (f"At most {WORDS[MOST_RIVALS]} rivals", "how-it-works.md"),
+    (f"up to {WORDS[MOST_EQUAL]} that are as heavy", "how-it-works.md"),
     (f"smoothed by {SMOOTHED:g}", "how-it-works.md"),
     (f"at most {WORDS[LARGEST_BLOCK]} hypotheses", "how-it-works.md"),
     (f"({round(math.degrees(SAME_ROTATION))}°, {SAME_PLACE * 100:g} % of the distance)", "how-it-works.md"),

@@ -12,7 +12,7 @@ import numpy as np
 
 from geometry.arrays import Floats, Mask
 from kb.clouds.cloud import KnowledgeBase
-from plogic.cycle.state import MOST_RIVALS, Cycle, Proposal, State, Step, Task, among, free, step_of
+from plogic.cycle.state import Cycle, Proposal, State, Step, Task, among, best_of_each, free, step_of
 from plogic.facts.hypothesis import Hypothesis
 from plogic.match.judged.evidence import evidence, pose_information
 from plogic.match.judged.evidence import judged as judged_alone
@@ -191,18 +191,16 @@ def compared(task: Task, state: State) -> Iterator[State]:
 def may_replace(task: Task, state: State, proposals: Iterable[Proposal]) -> list[Proposal]:
     """Those that were once worth as much as an accepted one in whose place they stand, and may be its rivals.
 
-    Beside it they are worth little, since it has their data; ``MOST_RIVALS`` of them an accepted one, the best.
+    Beside it they are worth little, since it has their data; so they go by what they were worth at most.
     """
-    found: list[Proposal] = []
-    for proposal in sorted(proposals, key=lambda p: -p.most):
+    near = []
+    for proposal in proposals:
         hypothesis = proposal.hypothesis
         least = proposal.most + task.demanded(hypothesis)
-        near = any(h.worth < least and in_the_way(hypothesis, h) for h in state.accepted)
-        if near and not among(hypothesis, [*state.accepted, *(other.hypothesis for other in found)]):
-            found.append(proposal)
-        if len(found) >= MOST_RIVALS * len(state.accepted):
-            break
-    return found
+        if any(h.worth < least and in_the_way(hypothesis, h) for h in state.accepted):
+            near.append(proposal)
+    best = best_of_each([(proposal.most, proposal.hypothesis) for proposal in near], state.accepted)
+    return [proposal for proposal in near if any(proposal.hypothesis is one for one in best)]
 
 
 def set_aside(task: Task, state: State, hypothesis: Hypothesis, reason: str) -> State:

@@ -322,8 +322,8 @@ def _outcome(task: Task, state: State, unheld: Sequence[Hypothesis], attention: 
     state = state.tells(Step("stable", f"{len(state.accepted)} accepted; {noise} appearances left as noise"))
     weighed = considered(state.rivals, state.accepted)
     beyond = [h for h in state.rivals if not among(h, [*weighed, *state.accepted])]
-    why = f"would be accepted in the place of what it conflicts with, but only the best {len(weighed)} such are weighed"
-    state = replace(state, rejected=(*state.rejected, *(h.told(status="rejected", why=why) for h in beyond)))
+    why = "would be accepted in the place of what it conflicts with, but others are better, and no more are weighed"
+    state = replace(state, rejected=(*state.rejected, *(h.told(status="unweighed", why=why) for h in beyond)))
     state, rivals = making_way(task, state, weighed)
     told = len(state.rivals)
     for hypothesis in unheld:

@@ -25,7 +25,7 @@ from plogic.cycle.planes import Setting, Supported
 from plogic.facts.document import StepRow
 from plogic.facts.hypothesis import Hypothesis
 from plogic.match.gamma.data import Data
-from plogic.match.judged.rivals import claims, same_place
+from plogic.match.judged.rivals import EVEN, claims, in_the_way, same_place
 from plogic.match.judged.type_models import Request, Search
 from plogic.match.kinds import Models
 from plogic.match.learned.convincing import THERE
@@ -211,7 +211,7 @@ class State:
 class Cycle:
     """``accepted`` is Δi in the order of acceptance; ``considered`` the rest of Δh.
 
-    ``rejected`` what was tried and dropped.
+    ``rejected`` what was tried and dropped; ``unweighed`` is the status of rivals among it that are too many.
 
     ``unfinished``: whether a deadline stopped it; ``supported``: the planes that its proposals told of.
     """
@@ -244,13 +244,42 @@ def among(hypothesis: Hypothesis, others: Iterable[Hypothesis]) -> bool:
 
 
 MOST_RIVALS = 2
-"""Rivals that enter Δh for each accepted hypothesis."""
+"""Rivals that enter Δh for each accepted hypothesis that they conflict with, ..."""
+MOST_EQUAL = 8
+"""... and so many where more are as heavy as the last of these, such as the turns of a body that is even but for one
+feature: to weigh some of them alone would give each of these the share of all."""
+
+
+NOBODY = -1
+"""The number of no accepted hypothesis: that of what conflicts with none."""
 
 
 def considered(rivals: Sequence[Hypothesis], accepted: Sequence[Hypothesis]) -> list[Hypothesis]:
-    """At most ``MOST_RIVALS`` times as many rivals as there are accepted, near-duplicates merged, best first."""
+    """The rivals that are weighed, best first, near-duplicates merged."""
+    return best_of_each([(rival.worth, rival) for rival in rivals], accepted)
+
+
+def best_of_each(found: Iterable[tuple[float, Hypothesis]], accepted: Sequence[Hypothesis]) -> list[Hypothesis]:
+    """The best by worth of what conflicts with each accepted hypothesis, and of what conflicts with none of them.
+
+    So what stands elsewhere decides nothing. One that conflicts with several counts for all of them, and is kept where
+    one of them has room. Near-duplicates of each other or of an accepted one are left out.
+    """
     kept: list[Hypothesis] = []
-    for rival in sorted(rivals, key=lambda h: -h.worth):
-        if not among(rival, [*kept, *accepted]) and len(kept) < MOST_RIVALS * len(accepted):
-            kept.append(rival)
+    counted: dict[int, list[float]] = {}
+    for worth, one in sorted(found, key=lambda pair: -round(pair[0], EVEN)):
+        if among(one, [*kept, *accepted]):
+            continue
+        against = [k for k, other in enumerate(accepted) if in_the_way(one, other)] or [NOBODY]
+        if any(_has_room(counted.get(k, []), worth) for k in against):
+            kept.append(one)
+            for k in against:
+                counted.setdefault(k, []).append(worth)
     return kept
+
+
+def _has_room(before: Sequence[float], worth: float) -> bool:
+    """Whether one more is weighed beside those of these worths, best first."""
+    if len(before) < MOST_RIVALS:
+        return True
+    return len(before) < MOST_EQUAL and round(before[MOST_RIVALS - 1], EVEN) == round(worth, EVEN)

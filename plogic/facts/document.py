@@ -315,7 +315,17 @@ class Listed(TypedDict):
     unlisted_mass: NotRequired[Annotated[Interval, "Bounds of the probability of all worlds that are not listed."]]
 
 
-class Interpretation(Marks, Listed, StandingKeys):
+class UnweighedKey(TypedDict):
+    """What is left out of the worlds; it is there where something is."""
+
+    unweighed: NotRequired[
+        Annotated[
+            dict[Name, Count], "By accepted hypothesis, how many of its rivals are in no world: too many to weigh."
+        ]
+    ]
+
+
+class Interpretation(Marks, Listed, StandingKeys, UnweighedKey):
     """The document ``interpretation/1`` of one image."""
 
     format: Literal["interpretation/1"]

@@ -72,7 +72,7 @@ def expected(seen: Any, opaque: bool, hidden: Any = False) -> Any:  # noqa: FBT0
     return seen.in_image & seen.in_lobe & ((seen.self_hidden & opaque | hidden) ^ True)
 
 
-Status = Literal["open", "accepted", "rival", "rejected"]
+Status = Literal["open", "accepted", "rival", "unweighed", "rejected"]
 
 
 @dataclass(frozen=True)

@@ -30,6 +30,7 @@ from plogic.facts.document import (
     SharesRow,
     Status,
     StepRow,
+    UnweighedKey,
     Verdict,
     WorldRow,
 )
@@ -39,6 +40,7 @@ from plogic.facts.situation import OTHERS, PairFact, Situation
 from plogic.facts.spatial import apart_of, gravity_document, space_document
 from plogic.facts.stances import Stood, stances_document, standing_document
 from plogic.match.judged.evidence import outline_rings
+from plogic.match.judged.rivals import in_the_way
 from plogic.measures.distinctiveness import distinctiveness, instance_counts, probability_of_distinctiveness
 from plogic.measures.explanatory import case_of, probability_of_ev
 from plogic.run.carried import image_asset, mesh_assets, sensing_document, types_document
@@ -99,6 +101,7 @@ def document_of(
         "hypotheses": [*_hypotheses(delta, gamma, ranking, stands), *_rejected(rejected, gamma, dv)],
         **_worlds(ranking, situation, short=kb.words is not None),
         "unlisted_mass": list(ranking.unlisted),
+        **_unweighed(delta, rejected),
         "relations": relation_probabilities(situation, seconds),
         "doubts": [doubt.document() for doubt in doubts(situation)],
         "facts": facts_of(situation),
@@ -187,6 +190,15 @@ def _hypotheses(delta: Delta, gamma: Gamma, ranking: Ranking, stands: Stood | No
         }
         for name, belief in delta.beliefs.items()
     ]
+
+
+def _unweighed(delta: Delta, rejected: Sequence[Hypothesis]) -> UnweighedKey:
+    """How many rivals of each accepted hypothesis are not weighed, where some are not."""
+    beyond = [h for h in rejected if h.status == "unweighed"]
+    accepted = {name: belief for name, belief in delta.beliefs.items() if belief.status == "accepted"}
+    counts = {name: sum(in_the_way(h, belief) for h in beyond) for name, belief in accepted.items()}
+    told = {name: count for name, count in counts.items() if count}
+    return {"unweighed": told} if told else {}
 
 
 def _why(belief: Hypothesis, probability: float) -> str:

@@ -18,6 +18,7 @@ from plogic.face.session.results import Answers, World, Worlds
 from plogic.face.shown.figures import chance, interval
 from plogic.face.shown.options import Asking
 from plogic.face.shown.printed import say
+from plogic.facts.caveats import caveats
 from plogic.facts.document import WorldRow
 from plogic.facts.situation import Reading
 from plogic.facts.spatial import exclusion_lines, exclusions
@@ -114,7 +115,12 @@ def _of_graph(
         from plogic.face.shown import tables
 
         table = tables.worlds({**asked.document, "worlds": listed, "unlisted_mass": list(found.unlisted)}, number)
-        lines = "".join([tables.text_of_table(table), *(f"{line}\n" for line in exclusion_lines(asked.document))])
+        lines = "".join(
+            [
+                tables.text_of_table(table),
+                *(f"{line}\n" for line in (*exclusion_lines(asked.document), *caveats(asked.document))),
+            ]
+        )
         doubtful = [said(doubt) for doubt in weighed(doubts(asked.subject), asked.document)]
         return "\n".join([lines.rstrip(), "", *doubtful, ""]) if doubtful else lines
 

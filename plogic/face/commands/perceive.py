@@ -27,6 +27,7 @@ from plogic.base.errors import InputError
 from plogic.cycle.delta import Options
 from plogic.face.shown.options import Marks, Perceiving
 from plogic.face.shown.printed import written
+from plogic.facts.caveats import caveats
 from plogic.facts.document import Interpretation
 from plogic.facts.interpretation import text_of
 from plogic.facts.situation import stopped_in
@@ -89,7 +90,7 @@ def _of_one(source: str, options: Perceiving, say: Say, write: Say) -> int:
         with clock.stage("doubts"):
             document = doubts_weighed(document)
     status = _write_all(document, options, image, clock, write)
-    amiss = _surpassed(document), _impossible(document), _lens(document), _doubts(document)
+    amiss = _surpassed(document), caveats(document), _impossible(document), _lens(document), _doubts(document)
     for line in (*_silence(document, gamma, kb), *_summary(document, clock), *chain(*amiss)):
         say(line)
     return status
@@ -123,7 +124,7 @@ def _of_pair(inputs: Sequence[str], options: Perceiving, stereo: str, say: Say, 
     status = _write_all(document, options, image, clock, write)
     deep = sum(a.depth is not None for a in gamma.appearances)
     say(f"{len(right.appearances)} appearances in the right image; {deep} of the left one's have depth")
-    amiss = _surpassed(document), _lens(document)
+    amiss = _surpassed(document), caveats(document), _lens(document)
     for line in (*_silence(document, gamma, kb), *_summary(document, clock), *chain(*amiss)):
         say(line)
     return status
