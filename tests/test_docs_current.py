@@ -28,7 +28,7 @@ ROOT = Path(__file__).parent.parent
 DOCS = ROOT / "docs"
 README = ROOT / "README.md"
 HOW = "run `python docs/generate.py`"
-WORDS = {2: "two", 3: "three", 4: "four", 6: "six", 10: "ten"}
+WORDS = {2: "two", 3: "three", 4: "four", 6: "six", 8: "eight", 10: "ten"}
 LINK = re.compile(r"\]\(([^)#:]+)\)")
 
 
