@@ -110,10 +110,16 @@ def recalled(task: Task, state: State, seeds: Sequence[Seed]) -> tuple[State, li
     return state, unheld
 
 
-def more_to_see(task: Task, state: State, usual: Mapping[str, int]) -> tuple[State, bool]:
-    """Whether to search: not where what is remembered explains all but clutter, or what is ``usual``."""
+def more_to_see(task: Task, state: State, unheld: Sequence[Hypothesis], usual: Mapping[str, int]) -> tuple[State, bool]:
+    """Whether to search: not where what is remembered was found, and explains all but clutter, or what is ``usual``.
+
+    What was not found where it is remembered may stand a little beside, as far as one view leaves its distance open.
+    """
     if not state.accepted:
         return state, True
+    if unheld:
+        away = ", ".join(sorted({hypothesis.type for hypothesis in unheld}))
+        return state.tells(Step("search", f"not found where it is remembered: {away}")), True
     with suppress(OutOfTimeError):  # what is remembered is accepted only when it is stable here
         state = kept(task, state)
     why = unexplained([task.data.types[i] for i in free(task, state.accepted).nonzero()[0]], task.kb, usual)
@@ -163,7 +169,7 @@ def perceive(
     what is left is more than clutter, or than ``usual``.
     """
     state, unheld = recalled(task, State(), seeds)
-    state, searching = more_to_see(task, state, usual or {})
+    state, searching = more_to_see(task, state, unheld, usual or {})
     last, known = state, attention or attend(task.models.values(), task.data.types, task.kb)
     with suppress(OutOfTimeError):
         if searching:

@@ -10,7 +10,7 @@ Hypotheses of several views that are one stand at the pose at which all views ar
 One view leaves the distance open by more than another view's tolerance. So what each view matched by itself is laid
 together before anything is matched anew: a pose through all of these matches is tried beside each view's own.
 
-* ``merged``: the distinct hypotheses of all views
+* ``merged``, ``laid_together``: the distinct hypotheses of all views
 * ``Joint``: what comes of it
 """
 
@@ -35,7 +35,7 @@ from plogic.scene.worlds.ranked_worlds import Ranking, ranked_worlds
 from plogic.sequence.views.standing import Seen, Standing, refined, seen_alone, seen_beside, standing_of
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping, Sequence
+    from collections.abc import Iterable, Mapping, Sequence
 
     from geometry.arrays import Floats, Mask
     from kb.clouds.cloud import KnowledgeBase
@@ -45,6 +45,7 @@ if TYPE_CHECKING:
     from plogic.match.gamma.data import Data
     from plogic.match.judged.type_models import TypeModel
     from plogic.run.perceive import Perceiver
+    from plogic.sequence.constancy.sight_lines import View
 
 
 class Found(NamedTuple):
@@ -54,46 +55,54 @@ class Found(NamedTuple):
     beliefs: Sequence[Hypothesis]
 
 
-class _Member(NamedTuple):
+class Member(NamedTuple):
+    """A hypothesis where it stands, the number of a view, and how that view shows it."""
+
     standing: Standing
     view: int
     posed: Hypothesis
 
 
 def merged(found: Sequence[Found], models: Mapping[str, TypeModel], kb: KnowledgeBase) -> list[Standing]:
-    """The distinct hypotheses of all views, each at the view's place that explains all views' data best.
+    """The distinct hypotheses of all views, told from where the first view stands."""
+    members = [
+        Member(standing_of(belief, one.seen.view, models), v, belief)
+        for v, one in enumerate(found)
+        for belief in one.beliefs
+    ]
+    return laid_together(members, [one.seen for one in found], found[0].seen.view, kb) if found else []
 
-    Tried are the poses of its own views, one through all their matches, and those of what else may stand there: what
+
+def laid_together(members: Iterable[Member], seen: Sequence[Seen], view: View, kb: KnowledgeBase) -> list[Standing]:
+    """Near-duplicates, told from where a ``view`` stands, as one, each at the place that explains all views' data best.
+
+    Tried are the poses of its members, one through all their matches, and those of what else may stand there: what
     looks alike fits alike.
     """
-    heaps = _heaps(found, models)
-    everybody = [member for heap in heaps for member in heap]
-    return [_best(heap, everybody, [one.seen for one in found], kb) for heap in heaps]
+    heaps: list[list[Member]] = []
+    for member in members:
+        heap = next((some for some in heaps if some[0].standing.same(member.standing, view)), None)
+        if heap is None:
+            heaps.append([member])
+        else:
+            heap.append(member)
+    places = [member.standing for heap in heaps for member in heap]
+    return [_best(heap, places, seen, view, kb) for heap in heaps]
 
 
-def _heaps(found: Sequence[Found], models: Mapping[str, TypeModel]) -> list[list[_Member]]:
-    """Near-duplicates together, told from where the first view stands."""
-    heaps: list[list[_Member]] = []
-    for v, (seen, beliefs) in enumerate(found):
-        for belief in beliefs:
-            member = _Member(standing_of(belief, seen.view, models), v, belief)
-            heap = next((some for some in heaps if some[0].standing.same(member.standing, found[0].seen.view)), None)
-            if heap is None:
-                heaps.append([member])
-            else:
-                heap.append(member)
-    return heaps
-
-
-def _best(heap: Sequence[_Member], everybody: Sequence[_Member], seen: Sequence[Seen], kb: KnowledgeBase) -> Standing:
+def _best(
+    heap: Sequence[Member], places: Sequence[Standing], seen: Sequence[Seen], view: View, kb: KnowledgeBase
+) -> Standing:
     """The pose of greatest evidence over all views; of equals the first."""
     first = heap[0].standing
     if len(seen) == 1:
         return first
-    there = [Standing(first.index, m.standing.world_from_object) for m in everybody]
-    starts = [m.standing for m in heap] + [some for some in there if some.same(first, seen[0].view)]
+    there = (Standing(first.index, some.world_from_object) for some in places)
+    starts = [*(m.standing for m in heap), *(some for some in there if some.same(first, view))]
     own = {member.view: member.posed for member in reversed(heap)}  # what each view matched by itself
     starts += [refined(s, list(own.values()), [seen[v] for v in own], kb) for s in (first, heap[-1].standing)]
+    distinct = {some.world_from_object.tobytes(): some for some in reversed(starts)}
+    starts = list(reversed(distinct.values()))
     return max(starts, key=lambda some: sum(evidence(seen_alone(some, one, kb), one.data, kb).ratio for one in seen))
 
 

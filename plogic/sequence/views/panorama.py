@@ -31,7 +31,7 @@ from plogic.match.judged.rivals import claims, hidden_among
 from plogic.scene.readings.unfinished import OPEN, marks
 from plogic.sequence.constancy.decide import unknown_objects
 from plogic.sequence.constancy.result import Constancy, constancy_document
-from plogic.sequence.views.joint import Joint, joint
+from plogic.sequence.views.joint import Joint, Member, joint, laid_together
 from plogic.sequence.views.standing import Seen, Standing, seen_alone, standing_of
 
 if TYPE_CHECKING:
@@ -174,11 +174,11 @@ class Panorama:
 
     def _remember(self, cycle: Cycle, view: View, in_view: Sequence[str]) -> None:
         """Judge what is known and what is new in all views together, and keep what is probable."""
-        standing = [known.standing for known in self.known]
-        fresh = [standing_of(b, view, self.perceiver.models) for b in (*cycle.accepted, *cycle.considered)]
-        for some in (*fresh, *self.rivals):
-            if not any(some.same(other, view) for other in standing):
-                standing.append(some)
+        beliefs = (*cycle.accepted, *cycle.considered)
+        fresh = [Member(standing_of(b, view, self.perceiver.models), len(self.seen) - 1, b) for b in beliefs]
+        known = [member for some in self.known for member in self._before(some.standing)]
+        rivals = [member for some in self.rivals for member in self._before(some)]
+        standing = laid_together((*known, *fresh, *rivals), self.seen, view, self.perceiver.kb)
         standing = [some for some in standing if self._shown(some)][:MOST]
         self.joint, self.ranking = None, None
         chances: list[tuple[Standing, float]] = []
@@ -187,6 +187,11 @@ class Panorama:
             chances = [(some, self.ranking.marginals[f"h{i}"]) for i, some in enumerate(self.joint.standing, 1)]
         self.rivals = [some for some, chance in chances if POSSIBLE <= chance < BELIEVED]
         self._update([pair for pair in chances if pair[1] >= BELIEVED], cycle, view, in_view)
+
+    def _before(self, some: Standing) -> list[Member]:
+        """What is remembered as the views of the window before this one show it."""
+        before = self.seen[:-1]
+        return [Member(some, v, seen_alone(some, one, self.perceiver.kb)) for v, one in enumerate(before)]
 
     def _shown(self, some: Standing) -> bool:
         """Whether some view of the window shows anything of it."""

@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from itertools import permutations
 
 import numpy as np
 import pytest
+from scipy.spatial.transform import Rotation
 from sequences import BESIDE, EYE, away_and_back, events, panorama, turned, view
-from synthetic import towers
+from synthetic import MIDDLE, towers
 
 from geometry.errors import GeometryError
 from geometry.frames import pose_error
@@ -41,6 +43,33 @@ def test_no_search_is_needed_on_return(seed):
     assert "no search" in events(looks[-1])
     assert events(looks[-1]).count("recall") == 2
     assert len(looks[-1].interpretation["hypotheses"]) >= 2
+
+
+@pytest.mark.parametrize("seed", [1, 2])
+def test_in_which_order_views_come_decides_nothing(seed):
+    """The first view leaves the distance open, so that its pose is wrong where another looks from the side."""
+    views = [view(n, around(angle), seed=seed, noise=0.8) for n, angle in enumerate((0.0, 60.0, 120.0), 1)]
+    found = []
+    for order in permutations(views):
+        known = panorama()
+        for one in order:
+            known.look(one)
+        found.append({k.standing.object_type.name: k for k in known.known})
+    first = found[0]
+    assert set(first) == {"t1", "t2"}
+    for other in found[1:]:
+        assert {name: k.probability for name, k in other.items()} == pytest.approx(
+            {name: k.probability for name, k in first.items()}, abs=1e-3
+        )
+        for name, k in other.items():
+            _, moved = pose_error(k.standing.world_from_object, first[name].standing.world_from_object)
+            assert moved < 0.005
+
+
+def around(degrees):
+    """world_from_camera of one that looks at the towers from another side."""
+    there = Rotation.from_rotvec([0.0, 0.0, np.radians(degrees)]).as_matrix()
+    return turned(0.0, 1.6 * there @ (EYE - MIDDLE) + MIDDLE)
 
 
 def test_what_left_the_view_stays_with_its_probability_and_grows_older():
