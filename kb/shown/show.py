@@ -44,7 +44,8 @@ def _summary(kind: ObjectType) -> Iterator[str]:
         yield f"  {second}"
         return
     counts = ", ".join(f"{name} {number}" for name, number in sorted(feature_counts(kind).items()))
-    yield f"{kind.name}: {_count(len(kind.features), 'feature')}{f' ({counts})' if counts else ''}, {_count(len(kind.lobes.types), 'lobe')}, {body}"
+    features, lobes = _count(len(kind.all_features), "feature"), _count(len(kind.lobes.types), "lobe")
+    yield f"{kind.name}: {features}{f' ({counts})' if counts else ''}, {lobes}, {body}"
 
 
 def feature_counts(kind: ObjectType) -> dict[str, int]:

@@ -107,13 +107,18 @@ def measured(document: Interpretation) -> tuple[tuple[Measure, ...], tuple[Disti
 def dv_over_instances(believed: Sequence[Hypothesis], dv: Mapping[str, float]) -> dict[str, float] | None:
     """Dv of each feature type over the instances in Δi, that over Σo where Δi is empty (§5.1).
 
-    None where features are summed up.
+    Every Feature node counts: of a compound, the part that it is told by too. None where features are summed up.
     """
-    counts = Counter(f.type for h in believed for f in h.features)
+    counts = Counter(kind for h in believed for kind in feature_nodes(h).values())
     if OTHERS in counts:
         return None
     total = counts.total()
     return {name: 1.0 - counts[name] / total for name in dv} if total else dict(dv)
+
+
+def feature_nodes(h: Hypothesis) -> dict[str, str]:
+    """The type of every Feature node that is told of a hypothesis, by its path."""
+    return {part.id: part.type for part in h.parts if part.kind == "feature"} | {f.id: f.type for f in h.features}
 
 
 def _ev(scene: Scene, h: Hypothesis, beside: frozenset[str]) -> float | None:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from collections import Counter
 from functools import cache
 
 import numpy as np
@@ -12,8 +13,11 @@ from box_kb import CAMERA, box_kb, corner_rows, feature_row, seen
 from geometry.frames import look_at
 from plogic.cycle.delta import Options
 from plogic.facts.interpretation import situation_of
+from plogic.measures.distinctiveness import instance_counts
+from plogic.run.measured import feature_nodes, measured
 from plogic.run.perceive import Perceiver
 from plogic.scene.asking.presence import presence
+from plogic.scene.text.program_text import program_text
 from sensing.appearance import Appearance, Gamma
 
 POSE = look_at((0.55, 0.4, 0.5), (0.0, 0.0, 0.0))
@@ -114,3 +118,17 @@ def test_without_any_of_its_parts_it_is_missed_once():
         "hidden_detected": 0,
     }
     assert row["support"] == found((), ("d0",))[0]["support"]
+
+
+def test_every_feature_node_counts_in_the_dv_over_instances_and_is_a_feature_of_the_program():
+    """S of §5.1 counts a compound and its parts; the part that it is told by is a feature as well."""
+    kb = kb_with(*THREE, look="knob")
+    document = Perceiver(kb)(gamma_of(kb), Options(dv_over="instances"))
+    _, over = measured(document)
+    assert {row.type: row.over_instances for row in over} == pytest.approx(document["measures"]["dv"])
+    (h,) = situation_of(document).hypotheses
+    text = program_text(situation_of(document))
+    for part in PARTS:
+        assert f"type_feature(box, 'd0/{part}', knob)" in text
+        assert f"type_part(box/'d0/{part}', box/d0)" in text
+    assert Counter(feature_nodes(h).values()) == instance_counts(kb.types)

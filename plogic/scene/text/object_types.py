@@ -72,6 +72,7 @@ def _types(w: Writer) -> dict[str, Said]:
 
 def _said(parts: Sequence[PartFact], features: Iterable[tuple[str, str]], *, opaque: bool) -> Said:
     kinds, known = dict(features), {part.id for part in parts}
+    kinds |= {part.id: part.type for part in parts if part.kind == "feature" and part.id not in kinds}
     wholes = {part.id: part.parent if part.parent in known else "" for part in parts}
     wholes |= {path: _host(path, known) for path in kinds if path not in known}
     return Said(wholes, kinds, frozenset(part.id for part in parts if part.kind == "object"), opaque)

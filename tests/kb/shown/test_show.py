@@ -18,7 +18,7 @@ def test_the_report_counts_and_notes(small):
     assert check_report(small) == [
         "warning: tent: has 2 features, and a pose is taken from 4: it is never found",
         "small: 1 type, 2 appearance types, no mistakes",
-        "tent: 2 features (apex 1, corner 2), 2 lobes, 4 facets, 0.433 m3, opaque, 3-fold symmetry",
+        "tent: 3 features (apex 1, corner 2), 2 lobes, 4 facets, 0.433 m3, opaque, 3-fold symmetry",
     ]
 
 
