@@ -32,6 +32,7 @@ from plogic.cycle.judging import (
 )
 from plogic.cycle.state import Attention, Cycle, State, Step, Task, Trace, among, considered, free, step_of
 from plogic.cycle.support import leaning, settled_down, standing
+from plogic.facts.caveats import UNWEIGHED
 from plogic.facts.hypothesis import Hypothesis
 from plogic.match.judged.rivals import EVEN, claims, hidden_among
 from plogic.match.judged.type_models import Given, TypeModel
@@ -328,8 +329,7 @@ def _outcome(task: Task, state: State, unheld: Sequence[Hypothesis], attention: 
     state = state.tells(Step("stable", f"{len(state.accepted)} accepted; {noise} appearances left as noise"))
     weighed = considered(state.rivals, state.accepted)
     beyond = [h for h in state.rivals if not among(h, [*weighed, *state.accepted])]
-    why = "would be accepted in the place of what it conflicts with, but others are better, and no more are weighed"
-    state = replace(state, rejected=(*state.rejected, *(h.told(status="unweighed", why=why) for h in beyond)))
+    state = replace(state, rejected=(*state.rejected, *(h.told(status="unweighed", why=UNWEIGHED) for h in beyond)))
     state, rivals = making_way(task, state, weighed)
     told = len(state.rivals)
     for hypothesis in unheld:

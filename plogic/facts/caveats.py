@@ -8,6 +8,10 @@ if TYPE_CHECKING:
     from plogic.facts.document import Interpretation
 
 
+UNWEIGHED = "it would stand in the place of what it conflicts with, but others are better, and no more are weighed"
+"""Why a rival is in no world, in words."""
+
+
 def caveats(document: Interpretation) -> list[str]:
     """A sentence for each accepted hypothesis some of whose rivals are in no world, and for smoothing not asked for."""
     names = {h["id"]: f"{h.get('label') or h['type']} {h['id']}" for h in document["hypotheses"]}

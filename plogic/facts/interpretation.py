@@ -277,7 +277,10 @@ def interpretation_in(document: Document, formats: str = "{}") -> Interpretation
     """
     data = document.data
     if not isinstance(data, dict) or data.get("format") != FORMAT:
-        wrong = [Mistake(("format",), f"should be {formats.format(repr(FORMAT))}")]
+        several = isinstance(data, dict) and data.get("format") == "panorama/1"
+        hint = f", of one view; it tells objects and worlds of {len(data.get('views', ()))} views" if several else ""
+        hint += ": ask one of these, views[i].interpretation as a file of its own" if several else ""
+        wrong = [Mistake(("format",), f"should be {formats.format(repr(FORMAT))}{hint}")]
         raise InterpretationError(*document.told(wrong))
     interpretation = cast("Interpretation", data)
     wrong = document.against(Interpretation) or list(_at_odds(interpretation))

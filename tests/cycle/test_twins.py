@@ -74,3 +74,7 @@ def test_rivals_that_are_not_weighed_are_told(twins, monkeypatch):
     assert len({h["type"] for h in beyond}) == 2
     found.save(twins / "i.json")
     assert "h1 has 2 more rivals" in good("worlds", twins / "i.json")
+    (told,) = {h["type"] for h in beyond if h["id"] == "r1"}
+    lines = good("explain", twins / "i.json", "--missing", told, "--kb", kb).splitlines()
+    assert lines[0].startswith("data: ")
+    assert lines[-1].startswith("  why not: it would stand in the place of what it conflicts with")

@@ -25,6 +25,14 @@ def test_the_score_reading_counts_concordant_features_and_names_who_hides_what()
     assert "ev = 0.95" in text, "strict D7 gives 0.95 (§5.6)"
 
 
+def test_in_mode_drop_what_an_occluder_explains_is_not_in_the_sum():
+    """0.970 is the paper's P(ok(T2, [T1])): what is hidden and missed is neither for nor against."""
+    summary = present(towers(mode="drop"), "present(t2)").summary
+    assert "32 of 34 features in the image, but for 6 hidden, which mode drop leaves out" in summary[1]
+    assert "0.9703 = P(ev)" in summary[1]
+    assert "38 of 40 features in the image are concordant" in present(towers(mode="to_B"), "present(t2)").summary[1]
+
+
 def test_the_posterior_reading_lists_log_likelihood_ratios():
     scene = towers(reading="posterior")
     text = "\n".join(present(scene, "present(t2)").summary)

@@ -18,6 +18,7 @@ from kb.clouds.words import is_word
 from kb.files.read import read_kb
 from plogic.base.errors import InputError
 from plogic.face.shown.figures import chance
+from plogic.facts.caveats import UNWEIGHED
 from plogic.facts.document import Interpretation, RejectedRow
 from plogic.match.gamma.data import data_of
 from plogic.match.judged.expectation import pose_of
@@ -76,8 +77,8 @@ def missing_document(document: Interpretation, name: str, kb: KnowledgeBase | No
 
 
 def _causes(document: Interpretation, gamma: Gamma, kb: KnowledgeBase, kind: ObjectType, rows: list[Any]) -> list[str]:
-    """Why it is missing; nothing where it is not, being accepted or a rival, whose reasons are told."""
-    if any(h["status"] != "rejected" for h in rows):
+    """Why it is missing; nothing of what is accepted, a rival, or a rival too many: their reasons are told."""
+    if any(h["status"] != "rejected" or h.get("why") == UNWEIGHED for h in rows):
         return []
     if not kind.features:
         return [f"{kind.name}: has no features, so it is never found; learn them: plogic kb learn {kind.name}"]
@@ -181,4 +182,4 @@ def _poses(told: dict[str, Any], source: str) -> Iterator[str]:
     claimed = best["expected"] - best["detected"] - len(best["missed"] or ())
     if best["missed"] is not None and claimed > 0:
         yield f"  {claimed} more have data near them that fit others, or that accepted objects claim"
-    yield f"  rejected, for: {best['why']}"
+    yield f"  why not: {best['why']}"

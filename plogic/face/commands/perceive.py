@@ -355,6 +355,10 @@ def _looked(panorama: "Panorama", frame: Input, shot: Shot | None, placed: Place
     return panorama.look(View(f"v{number}", there, pose), image)
 
 
+def _ago(views: int) -> str:
+    return f", {views} view{'s' * (views > 1)} ago" if views else ""
+
+
 def _line(frame: str, look: "Look", panorama: "Panorama") -> str:
     """One line: what was recalled, what was found, what is known now and where it is in this view's camera frame."""
     events = [step["event"] for step in look.interpretation["trace"]]
@@ -363,7 +367,7 @@ def _line(frame: str, look: "Look", panorama: "Panorama") -> str:
     told += [REASONS[stopped]] if stopped else []
     told += [f"gone: {', '.join(look.gone)}"] * bool(look.gone)
     known = [
-        f"{k.id} {k.standing.object_type.name} ({k.probability:.3f}{f', {k.age} views ago' if k.age else ''})"
+        f"{k.id} {k.standing.object_type.name} ({k.probability:.3f}{_ago(k.age)})"
         f" {place_of(k.standing.before(look.view).tolist())}"
         for k in panorama.known
     ]

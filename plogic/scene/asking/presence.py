@@ -13,22 +13,24 @@ apex should be seen speaks against it. The features of others that it hides coun
 import math
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
+from itertools import chain
 from typing import NamedTuple
 
 import numpy as np
 
 from geometry.arrays import Floats, Mask
+from plogic.base.walk import by_key
 from plogic.facts.dependence import Scene
 from plogic.facts.hypothesis import FeatureFact, Hypothesis
 from plogic.facts.interpretation import beside_usual
 from plogic.facts.situation import OTHERS, Situation
 from plogic.facts.spatial import words_of_shared
-from plogic.measures.explanatory import case_of
 from plogic.scene.readings.standing import Standing
 from plogic.scene.readings.world_weights import (
     Present,
     appearance_weight,
     cells,
+    four,
     group_shares,
     miss_weight,
     p_ev,
@@ -119,21 +121,22 @@ def presence(situation: Situation, name: str, world: Sequence[str]) -> tuple[str
 
 
 def _score(view: View) -> Iterator[str]:
-    """Concordant or not, by the four cases; dv-weighted the concordant ones are P(ev)."""
-    by_case: dict[str, list[FeatureFact]] = {}
-    seen = [f for f in view.h.features if f.in_image]
-    for f in seen:
-        cell = cells(view.scene, view.h, f, view.present)
-        by_case.setdefault(case_of(expected=bool(cell.expected[0]), detected=bool(cell.detected[0])), []).append(f)
+    """Concordant or not, by the four cases of those in the sum; dv-weighted the concordant ones are P(ev)."""
+    in_image = [f for f in view.h.features if f.in_image]
+    cases = [(four(view.scene, view.h, f, view.present), f) for f in in_image]
+    by_case = by_key((name.upper(), f) for case, f in cases for name, mask in case._asdict().items() if mask[0])
+    seen = list(chain(*by_case.values()))
     good = _count([*by_case.get("A", ()), *by_case.get("B", ())])
     p = float(p_ev(view.scene, view.h, view.present)[0])
     over = "dv-weighted" if view.scene.situation.dv_over == "types" else "weighed by dv over the instances in Δ"
     weighted = f"{over}: undefined (0/0)" if np.isnan(p) else f"{over} {p:.4g} = P(ev), ev = {2 * p - 1:.3g}"
-    yield f"  {good} of {_count(seen)} features in the image are concordant, {weighted}"
+    out = _count(in_image) - _count(seen)
+    left = f", but for {out} hidden, which mode drop leaves out of the sum," if out else ""
+    yield f"  {good} of {_count(seen)} features in the image{left} are concordant, {weighted}"
     for case, mark in (("A", "for"), ("B", "for"), ("C", "against"), ("D", "against")):
         if case in by_case:
             yield f"  {mark}: {SAID[case]}: {_by_type(by_case[case], name_all=case in 'CD')}"
-    yield from _hiding(view, seen)
+    yield from _hiding(view, in_image)
 
 
 def _usual(view: View) -> Iterator[str]:
@@ -201,7 +204,8 @@ def _hiding(view: View, features: Iterable[FeatureFact]) -> Iterator[str]:
             hidden.setdefault(g, []).append(f.id)
     present = {g: names for g, names in hidden.items() if g in view.world}
     yield from (
-        f"  hidden by {g}, so not expected: {len(names)} features ({listed(names)})" for g, names in present.items()
+        f"  hidden by {g}, so not expected: {len(names)} feature{'s' * (len(names) > 1)} ({listed(names)})"
+        for g, names in present.items()
     )
 
 

@@ -49,7 +49,7 @@ def test_the_best_pose_and_what_it_lacked(tmp_path):
     assert len(found["best"]["missed"]) >= found["best"]["expected"] - found["best"]["detected"]
     text = "\n".join(told("explain", out, "--missing", "box", "--kb", "first"))
     assert "  missed: " in text
-    assert f"  rejected, for: {found['best']['why']}" in text
+    assert f"  why not: {found['best']['why']}" in text
 
 
 def test_what_was_found_is_said_to_be_there(tmp_path):
