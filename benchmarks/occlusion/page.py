@@ -26,7 +26,7 @@ _HEAD = """\
 Written by `python docs/generate.py --occlusion BENCH.json` from `plogic bench occlusion --json` (seed 0). Do not edit.
 
 Which of twenty ways one object occludes another (ROC-20: Randell, Witkowski, Shanahan 2001) is decided from the exact outlines of the posed
-meshes and from the first surface that lines of sight meet; of any two posed bodies exactly one holds (`geometry/visibility/occlusion.py`).
+meshes and from the first surface that lines of sight meet; of any two posed opaque bodies exactly one holds (`geometry/visibility/occlusion.py`).
 
 ## Definitions
 

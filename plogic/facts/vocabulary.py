@@ -299,8 +299,8 @@ VOCABULARY: tuple[Entry, ...] = (
     Entry(
         "roc",
         3,
-        "the relation of X to Y is this one of ROC-20, by outlines and depth (§3.7); X and Y are hypotheses, of which exactly one holds, "
-        "or parts that are objects",
+        "the relation of X to Y is this one of ROC-20, by outlines and depth (§3.7); of opaque hypotheses X and Y exactly one holds; "
+        "what is not opaque occludes nothing, and where ROC-20 has no name for that, none holds; also of parts that are objects",
         "roc(Relation, X, Y)",
         "roc(R, X, Y) :- outline_roc(R, X, Y), present(X), present(Y).\n"
         "roc(R, X, Y) :- part_roc(R, X, Y), node(X), node(Y).",
