@@ -194,7 +194,8 @@ def ranked(delta: Delta, trace: list[StepRow], seconds: float | None = None) -> 
         smoothed = replace(delta, situation=replace(delta.situation, smoothing=SMOOTHED))
         again = ranked_worlds(smoothed.situation, LISTED_WORLDS, seconds=seconds)
         if not lost or any(again.marginals[name] for name in accepted):  # else the author's constraints exclude it all
-            trace.append(_step(len(trace) + 1, "smooth", f"{why}: the score program is smoothed by {SMOOTHED}"))
+            remedy = f"the score program is smoothed by {SMOOTHED}; --reading posterior has no such certainties"
+            trace.append(_step(len(trace) + 1, "smooth", f"{why}: {remedy}"))
             delta, ranking = smoothed, again
     for name in (name for name in accepted if ranking.marginals[name] == 0.0):
         trace.append(_step(len(trace) + 1, "impossible", IMPOSSIBLE, name, delta.beliefs[name]))
