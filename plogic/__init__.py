@@ -25,6 +25,9 @@ __all__ = [
     "KnowledgeBase",
     "Measure",
     "Measures",
+    "Panorama",
+    "PlacedObject",
+    "PlacedObjects",
     "Predictions",
     "Program",
     "Relation",
@@ -43,6 +46,7 @@ if TYPE_CHECKING:
     from plogic.face.python.asking import Explanation, Program
     from plogic.face.python.interpretation import Hypotheses, Hypothesis, Interpretation, Measures, Relation, Relations
     from plogic.face.python.knowledge import KnowledgeBase
+    from plogic.face.python.panoramas import Panorama, PlacedObject, PlacedObjects
     from plogic.face.python.perceiving import detect, perceive
     from plogic.face.python.pictures import Camera, Gamma
     from plogic.face.python.sessions import Session
@@ -65,6 +69,9 @@ else:
         "KnowledgeBase": "plogic.face.python.knowledge",
         "Measure": "plogic.run.measured",
         "Measures": "plogic.face.python.interpretation",
+        "Panorama": "plogic.face.python.panoramas",
+        "PlacedObject": "plogic.face.python.panoramas",
+        "PlacedObjects": "plogic.face.python.panoramas",
         "Predictions": "plogic.face.session.results",
         "Program": "plogic.face.python.asking",
         "Relation": "plogic.face.python.interpretation",

@@ -33,7 +33,7 @@ def detect(image: Image, kb: KnowledgeBase | str | Path, camera: Camera | str | 
         Error: where the image, the knowledge base or the camera cannot be used.
     """
     shot = shot_for(image, camera, 3)
-    return Gamma.of(detected(shot.image, shot.camera, _kb(kb).sigma, Stopwatch()))
+    return Gamma.of(detected(shot.image, shot.camera, loaded(kb).sigma, Stopwatch()))
 
 
 def perceive(  # noqa: PLR0913 - the options of the command
@@ -64,21 +64,22 @@ def perceive(  # noqa: PLR0913 - the options of the command
     Raises:
         Error: where any of these cannot be used.
     """
-    _check(reading, reconsider, dv_over)
+    checked(reading, reconsider, dv_over)
     smoothing, deadline = share("smoothing", smoothing, 0.5), seconds("deadline", deadline)
-    kb = _kb(kb)
-    gamma, image = _gamma(source, kb, camera)
+    kb = loaded(kb)
+    gamma, image = gamma_and_image(source, kb, camera)
     perceiver = kb.perceiver(generator)
     end = None if deadline is None else monotonic() + deadline
     document = perceiver(gamma, Options(reading, reconsider, smoothing, end, dv_over), image)
     return Interpretation(document, image=image)
 
 
-def _kb(kb: KnowledgeBase | str | Path) -> KnowledgeBase:
+def loaded(kb: KnowledgeBase | str | Path) -> KnowledgeBase:
+    """The knowledge base, read where a folder or a name is given."""
     return kb if isinstance(kb, KnowledgeBase) else KnowledgeBase.load(kb)
 
 
-def _gamma(
+def gamma_and_image(
     source: Image | appearance.Gamma, kb: KnowledgeBase, camera: Camera | str | Path | None
 ) -> tuple[appearance.Gamma, NDArray[np.uint8] | None]:
     """Γ, and the image where there is one."""
@@ -90,7 +91,7 @@ def _gamma(
     return detected(shot.image, shot.camera, kb.sigma, Stopwatch()), shot.image
 
 
-def _check(reading: str, reconsider: str, dv_over: str) -> None:
+def checked(reading: str, reconsider: str, dv_over: str) -> None:
     """Raise InputError where an option has a value that it cannot have."""
     for name, value, known in (
         ("reading", reading, get_args(Reading)),

@@ -290,7 +290,7 @@ def panorama_document(
 
     ``looks`` with their frames' names, and what is ``foreseen`` where nothing was seen yet.
     """
-    kb, joined = panorama.perceiver.kb, _worlds(panorama)
+    kb, joined = panorama.perceiver.kb, worlds_of(panorama)
     last = looks[-1][1].view.id if looks else ""
     objects = [_object(known, last) for known in panorama.known]
     if any(stopped_in(look.interpretation) == SEARCH for _, look in looks):
@@ -332,7 +332,7 @@ def _object(known: Known, last: str) -> ObjectRow:
     }
 
 
-def _worlds(panorama: Panorama) -> Joined:
+def worlds_of(panorama: Panorama) -> Joined:
     """The possible worlds of the last views together.
 
     Δh by name, an object's own or one of its rivals', which are rivals, and which are present.

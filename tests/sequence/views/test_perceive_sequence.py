@@ -10,6 +10,7 @@ import pytest
 from console import document, good, plogic
 from sequences import turned, view
 
+from plogic import Error, Panorama
 from sensing.files.gamma_files import write_gamma
 
 ANGLES = [0.0, 15.0, 80.0, 1.0]
@@ -79,6 +80,27 @@ def test_a_sequence_gives_a_panorama_and_a_line_a_frame(frames, tmp_path):
     assert len(lines) == 4
     assert "no search" in lines[3]
     assert "2 recalled" in lines[3]
+
+
+def test_python_looks_view_by_view_and_comes_to_the_same_file(frames, two, tmp_path, monkeypatch):
+    monkeypatch.chdir(frames)
+    place = Panorama("towers")
+    looks = [place.look(f"f{n}.json", T_world_camera=turned(angle)) for n, angle in enumerate(ANGLES[:2], 1)]
+    written = json.loads(place.save(tmp_path / "panorama.json").read_text())
+    by_command = json.loads(two)
+    by_command["ahead"] = []  # the file of poses names a place ahead
+    assert written == by_command
+    assert [len(look.hypotheses) for look in looks] == [
+        len(v["interpretation"]["hypotheses"]) for v in written["views"]
+    ]
+    assert {(o.id, o.type, o.probability) for o in place.objects} == {
+        (o["id"], o["type"], o["probability"]) for o in written["objects"]
+    }
+    assert place.worlds[0].present == tuple(written["worlds"][0]["present"])
+    assert "t1 p" in str(place)
+    with pytest.raises(Error, match="where the view is from is not known"):
+        place.look("f3.json")
+    assert len(place.views) == 2
 
 
 def test_each_view_of_it_is_an_interpretation(two_by_posterior, tmp_path):
