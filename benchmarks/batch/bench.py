@@ -83,13 +83,13 @@ def one_at_a_time(folder: Path, say: Say) -> Done:
     """Each frame by what ``plogic perceive`` runs, in this process; its ``lines`` are the interpretations."""
     from plogic.face.commands.perceive import perceive_command
     from plogic.face.shown.options import Perceiving
-    from plogic.run.batch.frames import camera_of, frames_of
-    from plogic.run.cameras import GivenCamera
+    from plogic.run.batch.frames import frames_of
+    from plogic.run.cameras import GivenCamera, camera_beside
 
     clocks, texts = Clocks(), list[str]()
     frames = frames_of([str(folder / "frames")], ())
     for i, frame in enumerate(frames, 1):
-        options = Perceiving(KB, camera=camera_of(frame, GivenCamera()))
+        options = Perceiving(KB, camera=camera_beside(frame.input, GivenCamera()))
         perceive_command([frame.input], options, say=lambda _: None, write=texts.append)
         if i % 100 == 0:
             say(f"one at a time: {i} of {len(frames)}")

@@ -119,8 +119,18 @@ def part_of(file: str) -> tuple[str, str | None]:
     return (path, name) if path and name and not is_there(Path(file)) else (file, None)
 
 
+def camera_beside(source: str, given: GivenCamera) -> GivenCamera:
+    """What was given for the camera of a picture's file; where nothing was, ``camera.json`` beside it, if any."""
+    from geometry.files.plain_files import is_there
+
+    beside = Path(source).parent / "camera.json"
+    return given if given != NOTHING_GIVEN or source == "-" or not is_there(beside) else GivenCamera(str(beside))
+
+
 def shot_of(source: str, given: GivenCamera, ways: str = WAYS) -> Shot:
-    """The picture of a file, or of a pipe, with its camera; ``ways`` to give one, for the error that there is none.
+    """The picture of a file, or of a pipe, with its camera: the given one, else that of ``camera_beside``.
+
+    ``ways`` to give one, for the error that there is none.
 
     Raises InputError, ImageError or CameraError.
     """
@@ -130,8 +140,10 @@ def shot_of(source: str, given: GivenCamera, ways: str = WAYS) -> Shot:
     from sensing.files.images import MAX_BYTES, image_from, size_of
 
     data = content_of(source, MAX_BYTES, ImageError)
-    camera, notes = _camera_of(size_of(data, source), given, source, exif_of(data), ways)
-    return Shot(image_from(data, source), camera, notes)
+    used = camera_beside(source, given)
+    camera, notes = _camera_of(size_of(data, source), used, source, exif_of(data), ways)
+    beside = () if used is given else (f"its camera is {used.file}, which lies beside it",)
+    return Shot(image_from(data, source), camera, (*beside, *notes))
 
 
 def shot_with(image: "NDArray[Any]", given: GivenCamera, source: str, ways: str = WAYS) -> Shot:

@@ -270,7 +270,7 @@ def _of_sequence(inputs: Sequence[str], options: Perceiving, say: Say, write: Sa
     poses, foreseen = _placed_frames([frame.name for frame in frames if frame.fault is None], options.poses)
     in_turn = iter(poses)
     poses = [None if frame.fault is not None else next(in_turn) for frame in frames]
-    if options.poses is None and not all(is_gamma(frame.name) for frame in frames):
+    if options.poses is None and options.camera.file and not all(is_gamma(frame.name) for frame in frames):
         say("all images are taken to be from the one place that --camera tells; where the camera moved, give --poses")
     panorama = Panorama(perceiver_of(kb, options.generator), _chosen(options))
     looks, failed = _looks(panorama, frames, poses, options.camera, say)

@@ -116,7 +116,9 @@ def camera_options(without: str) -> Callable[[Callable[..., None]], Callable[...
     return with_options
 
 
-CAMERA = camera_options("Where no camera is given, EXIF's focal length is taken, and said.")
+CAMERA = camera_options(
+    "Where no camera is given, camera.json beside the picture is taken, or else EXIF's focal length, and said."
+)
 FIRST_READING = click.option("--reading", type=READINGS, default="score", show_default=True)
 RECONSIDER = click.option(
     "--reconsider", type=MODES, default="to_B", show_default=True, help="How explained misses count (score reading)."

@@ -20,10 +20,10 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, Literal, NotRequired, TypedDict
 
 from geometry.errors import PlogicError
-from geometry.files.plain_files import IS_FOLDER, IS_MISSING, fault_of, is_there
+from geometry.files.plain_files import IS_FOLDER, IS_MISSING, fault_of
 from plogic.base.errors import InputError
 from plogic.facts.situation import Reading, Reconsider
-from plogic.run.cameras import NOTHING_GIVEN, GivenCamera
+from plogic.run.cameras import NOTHING_GIVEN, GivenCamera, camera_beside
 from plogic.run.video.video import counted, frame_name, is_video
 
 if TYPE_CHECKING:
@@ -112,12 +112,6 @@ class Settings:
         return {**chosen, "full": True} if self.full else {**chosen, "worlds": self.worlds}
 
 
-def camera_of(frame: Frame, camera: GivenCamera) -> GivenCamera:
-    """The camera of a picture: the one that was given for all, else ``camera.json`` beside it; else none."""
-    beside = Path(frame.input).parent / "camera.json"
-    return camera if camera != NOTHING_GIVEN or not is_there(beside) else GivenCamera(str(beside))
-
-
 def checked(path: str | Path) -> None:
     """Raise InputError for what is no plain file that may be read: a pipe would never end."""
     fault = fault_of(Path(path))
@@ -193,7 +187,7 @@ def _parts(frame: Frame, camera: GivenCamera) -> list[Path | str]:
     if frame.kind == "gamma":
         return [Path(frame.input)]
     try:
-        return [Path(frame.input), *camera_of(frame, camera).parts(frame.input)]
+        return [Path(frame.input), *camera_beside(frame.input, camera).parts(frame.input)]
     except PlogicError as error:
         raise ValueError(frame.input) from error
 

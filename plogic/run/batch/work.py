@@ -13,7 +13,6 @@ from plogic.run.batch.frame_lines import Lines
 from plogic.run.batch.frames import (
     Frame,
     Settings,
-    camera_of,
     checked,
     digest_of,
     number_in_video,
@@ -21,7 +20,7 @@ from plogic.run.batch.frames import (
     scene_at,
     version_of,
 )
-from plogic.run.cameras import NOTHING_GIVEN, GivenCamera, NoCameraError, Shot, shot_of
+from plogic.run.cameras import NOTHING_GIVEN, GivenCamera, NoCameraError, Shot, camera_beside, shot_of
 from plogic.run.perceive import perceiver_of
 from plogic.run.sources import gamma_of, kb_of
 from plogic.run.video.video import shot_at
@@ -85,7 +84,7 @@ def shot_for(frame: Frame, given: GivenCamera) -> Shot | None:
     checked(frame.input)
     if frame.kind == "gamma":
         return None
-    camera = camera_of(frame, given)
+    camera = camera_beside(frame.input, given)
     if (source := camera.source()) is not None:
         checked(source)
     if frame.kind == "video":

@@ -42,6 +42,8 @@ def inputs(demo, tmp_path):
     """A folder with the demo's image, camera and interpretation, and several files that are none."""
     for name in ("image.png", "camera.json", "interpretation.json"):
         shutil.copy(demo / name, tmp_path)
+    (tmp_path / "alone").mkdir()
+    shutil.copy(demo / "image.png", tmp_path / "alone")
     camera = json.loads((demo / "camera.json").read_text())
     (tmp_path / "small.json").write_text(json.dumps({**camera, "width": 320}))
     for name in ("empty.png", "empty.json"):

@@ -150,7 +150,7 @@ def test_a_bad_gamma_on_stdin_is_called_so(tmp_path, gamma):
 
 
 IMAGES = {
-    ("image.png",): "image.png: an image needs its camera: give --camera FILE",
+    ("alone/image.png",): "alone/image.png: an image needs its camera: give --camera FILE",
     ("image.png", "--camera", "small.json"): "small.json: the camera is 320x480, but image.png is 640x480",
     ("image.png", "--camera", "nowhere.json"): "nowhere.json: cannot be read: No such file",
     ("image.png", "--camera", "empty.json"): "empty.json: must be a camera",

@@ -51,6 +51,12 @@ def test_perceive_of_the_image_is_the_demos_interpretation(perceived, demo):
     assert len(run.stderr.splitlines()) == 1 + 2
 
 
+def test_a_camera_that_lies_beside_the_picture_is_taken_and_that_is_said(demo, tmp_path):
+    run = plogic("perceive", demo / "image.png", "--kb", "towers", "-o", tmp_path / "out.json")
+    assert run.stderr.splitlines()[0].endswith(f"image.png: its camera is {demo / 'camera.json'}, which lies beside it")
+    assert (tmp_path / "out.json").read_bytes() == (demo / "interpretation.json").read_bytes()
+
+
 PLACED = re.compile(r"(h\d+) (\S+) \((\d\.\d{3})\) at \((\S+), (\S+), (\S+)\) m, (\S+) m away")
 
 

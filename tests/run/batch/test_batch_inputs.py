@@ -8,9 +8,9 @@ import pytest
 from bop_folders import dataset, put, scene
 
 from plogic.base.errors import InputError
-from plogic.run.batch.frames import Frame, camera_of, digest_of, frames_of
+from plogic.run.batch.frames import Frame, digest_of, frames_of
 from plogic.run.bop.json_files import numbered
-from plogic.run.cameras import GivenCamera
+from plogic.run.cameras import GivenCamera, camera_beside
 
 
 def named(*inputs, listed=()):
@@ -186,9 +186,9 @@ def test_scenes_without_cameras_and_of_a_number_that_is_taken_are_lost(folder):
 
 def test_the_digest_is_of_all_that_is_read(folder):
     frame = Frame("b/1.jpg", None, "image")
-    assert camera_of(frame, GivenCamera()) == GivenCamera("b/camera.json")
-    assert camera_of(frame, GivenCamera("a.json")) == GivenCamera("a.json")
-    assert camera_of(Frame("a.json", None, "image"), GivenCamera()) == GivenCamera()
+    assert camera_beside(frame.input, GivenCamera()) == GivenCamera("b/camera.json")
+    assert camera_beside(frame.input, GivenCamera("a.json")) == GivenCamera("a.json")
+    assert camera_beside("a.json", GivenCamera()) == GivenCamera()
     seen = {digest_of(frame, GivenCamera())}
     for name in ("b/1.jpg", "b/camera.json"):
         (folder / name).write_text("more")
