@@ -29,15 +29,14 @@ def check_command(folder: str, *, as_json: bool) -> str:
     excluded = blamed_without_scene(kb.rules)
     if excluded is not None:
         raise InconsistentError(f"{folder}: {excluded}, whatever is seen")
-    from plogic.logic.safety.recursion import surely_endless
+    from plogic.logic.safety.notes import notes
     from plogic.run.silence.too_few import seldom_found
 
     lines = check_report(kb)
     warned = sum(line.startswith("warning: ") for line in lines)
     but = {line.split(": ")[1] for line in lines[:warned]}
-    lines[warned:warned] = [
-        f"warning: {text}" for text in (*seldom_found(kb, but), *surely_endless(kb.rules, "rules.pl"))
-    ]
+    noted = notes(kb.rules, "rules.pl", added=True)
+    lines[warned:warned] = [f"warning: {text}" for text in (*seldom_found(kb, but), *noted)]
     if as_json:
         warnings = [line.removeprefix("warning: ") for line in lines if line.startswith("warning: ")]
         return json.dumps(

@@ -4,7 +4,6 @@ The verbs are those of Python (``plogic.face.python``); here their results becom
 """
 
 import json
-import re
 import sys
 from collections.abc import Callable, Sequence
 from dataclasses import asdict, replace
@@ -23,8 +22,7 @@ from plogic.facts.document import WorldRow
 from plogic.facts.situation import Reading
 from plogic.facts.spatial import exclusion_lines, exclusions
 from plogic.logic.safety.atoms import quoted
-from plogic.logic.safety.author import load_problog
-from plogic.logic.safety.rows import is_quick
+from plogic.logic.safety.notes import notes
 from plogic.logic.served.engine import TOO_DEEP, ProgramRanking
 from plogic.run.sources import is_program, program_text_of
 from plogic.scene import document as rows
@@ -49,7 +47,7 @@ def worlds_command(
     source: str, number: int, given: Sequence[str], options: Asking, *, as_json: bool
 ) -> tuple[str, int]:
     """The ranked worlds, taken anew, so that any number of them can be had; exit 3 where the deadline was reached."""
-    asked = _opened(source, options)
+    asked = _opened(source, options, given)
     found, ranking = ranked(asked.beside(options.rules), number, given, asked.limits, options.deadline)
     if is_program(source):
         return _of_text(found, ranking, None, as_json=as_json)
@@ -61,39 +59,16 @@ def worlds_command(
     return _of_graph(asked, found, ranking, number, as_json=as_json)
 
 
-def _opened(source: str, options: Asking) -> Asked:
-    """What the file holds; of a plain program it is said what only looks like a constraint, and what cannot end."""
-    asked = opened(source, options.reading, trust=options.trust, withhold=options.withhold)
-    if isinstance(asked, Program):
-        for line in (*_idle(asked), *_endless(asked.text, asked.file)):
-            say(line)
+def _opened(source: str, options: Asking, asked: Sequence[str | None]) -> Asked:
+    """What the file holds; of a plain program and of rules it is said what they surely do not mean (``notes``)."""
+    found = opened(source, options.reading, trust=options.trust, withhold=options.withhold)
+    goals = [goal for goal in asked if goal is not None]
+    lines = notes(found.text, found.file, goals) if isinstance(found, Program) else []
     if options.rules is not None and options.rules != "-":
-        for line in _endless(program_text_of(options.rules), options.rules):
-            say(line)
-    return asked
-
-
-def _endless(text: str, file: str) -> list[str]:
-    """Without ProbLog where no clause has a number or a term that grows."""
-    if not is_quick(text):
-        return []
-    bodies = (clause.partition(":-")[2] for clause in text.split("."))
-    if not any(re.search(r"\bis\b|\(\s*+\w++\(", body) for body in bodies):
-        return []
-    load_problog()
-    from plogic.logic.safety.recursion import surely_endless
-
-    return surely_endless(text, file)
-
-
-def _idle(program: Program) -> list[str]:
-    """Without ProbLog where the text cannot hold any."""
-    if not is_quick(program.text) or re.search(r"(?m)^[ \t]*+:-|constraint", program.text) is None:
-        return []
-    load_problog()
-    from plogic.logic.safety.added import idle
-
-    return idle(program.text, program.file)
+        lines += notes(program_text_of(options.rules), options.rules, goals, added=True)
+    for line in lines:
+        say(line)
+    return found
 
 
 def _of_graph(
@@ -208,7 +183,7 @@ def query_command(
 
     Exit 3 where the deadline was reached, answers then being intervals.
     """
-    asked, clock = _opened(source, options), Clock(options.deadline)
+    asked, clock = _opened(source, options, [goal, *given]), Clock(options.deadline)
     found = asked.query(goal, given=given, rules=options.rules, deadline=options.deadline)
     document: rows.Answers = {
         "format": "answers/1",
@@ -246,7 +221,7 @@ def explain_command(
 
     With a ``number`` of None the presence of an interpretation's hypothesis is summed up over its features instead.
     """
-    asked = _opened(source, options)
+    asked = _opened(source, options, [goal, *given])
     try:
         found = asked.explain(
             goal, given=given, rules=options.rules, n=EXPLANATIONS if number is None and as_json else number

@@ -26,6 +26,16 @@ def closest(signature: str, defined: Iterable[str]) -> str:
     return f"; the closest that is known: {', '.join(found)}" if found else ""
 
 
+ALIKE = 0.75
+"""Likeness (``difflib``) of a misspelt name: ``evidnce`` has 0.93, ``qery`` 0.89, ``quary`` 0.8; ``quest`` 0.6."""
+
+
+def meant(name: str) -> str:
+    """``query`` or ``evidence`` where a name is like it; empty where it is neither, or just that."""
+    close = get_close_matches(name, ("query", "evidence"), n=1, cutoff=ALIKE)
+    return close[0] if close and close[0] != name else ""
+
+
 def counting(texts: Sequence[Mapping[str, str]], goals: Sequence[str]) -> str:
     """What counts the objects of a scene, where somebody asks by lists of answers, which are as many as worlds."""
     own = "\n".join([*(item["text"] for item in texts[1:]), *goals])

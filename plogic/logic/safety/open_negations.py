@@ -1,0 +1,159 @@
+r"""Negations that are asked before their variables have values, as in ``safe(X) :- \+ risky(X), pump(X)``.
+
+A body is asked from left to right. While X is open, ``\+ risky(X)`` says that nothing at all is risky, and ``X \= Y``
+that no two things are alike, of which there are always some. ProbLog answers so without a word (it *flounders*).
+
+Told is what is surely so: the variable is open when the negation is asked, and a goal behind it can bind it. A variable
+of no such goal is meant to be open (nothing is risky). One of the head is open where some question or call leaves it
+so: ``safe(X)`` does, ``safe(a)`` does not.
+"""
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+from problog.logic import And, AnnotatedDisjunction, Clause, Constant, Not, Or, Term, Var
+
+from plogic.base.errors import ProgramError
+from plogic.logic.safety.allowlist import COMPARISON, META, SPECIAL_HEADS, TESTS
+from plogic.logic.safety.check import glanced, heads, is_directive
+
+NEGATIONS = frozenset({"\\+/1", "not/1", "forall/2", "\\=/2", "\\==/2"})
+"""What an open variable turns into another question."""
+TESTED = COMPARISON - {"=/2"} | TESTS
+"""Goals that bind nothing; of ``is/2`` the first argument alone is bound."""
+ROOTS = SPECIAL_HEADS | {"constraint/1"}
+"""Heads that are asked with whatever is open in them."""
+
+
+@dataclass(frozen=True)
+class Rule:
+    """One ``head`` and what it asks; without a head where it is asked itself."""
+
+    head: Any
+    body: Any
+
+    @property
+    def name(self) -> str:
+        """The signature by which the rule is called; empty where it is asked itself."""
+        return "" if self.head is None or self.head.signature in ROOTS else str(self.head.signature)
+
+    def steps(self, opened: set[int]) -> "Iterator[Step]":
+        """The goals that it asks where these arguments of its head are open."""
+        given = enumerate(self.head.args) if self.name else ()
+        return _steps(self.body, {name for i, argument in given if i not in opened for name in _names(argument)}, [])
+
+
+@dataclass(frozen=True)
+class Step:
+    """A goal of a body, the variables that have values before it, and the goals ``after`` it."""
+
+    goal: Any
+    bound: frozenset[str]
+    after: list[Any]
+
+    def opened(self) -> set[int]:
+        """The arguments that have a variable without a value."""
+        return {i for i, a in enumerate(self.goal.args) if isinstance(a, Term) and not set(_all(a)) <= self.bound}
+
+    def early(self) -> str:
+        """What is to be said of a negation whose variables have no values yet; '' of anything else."""
+        if self.goal.signature not in NEGATIONS:
+            return ""
+        lacks = [name for name in _names(self.goal) if name not in self.bound]
+        binders = [goal for goal in self.after if not _binds(goal).isdisjoint(lacks)]
+        if not binders:
+            return ""
+        which = " and ".join(name for name in lacks if any(name in _binds(goal) for goal in binders))
+        what = f"{_written(self.goal)} is asked before {which} has a value, of all values at once"
+        return f"{what.replace(' has a value', ' have values') if ' and ' in which else what}: write it after {binders[-1]}"
+
+
+def asked_too_early(text: str, file: str, goals: Sequence[str] = ()) -> list[str]:
+    """A line, with its place, on each such negation; ``goals`` are asked beside the text's own queries.
+
+    A text that cannot be read, or not quickly, is told of elsewhere.
+    """
+    source = glanced(text, file)
+    if source is None:
+        return []
+    asked = [glanced(f"asked :- {goal.rstrip(' .')}.", "goal") for goal in goals]
+    rules = [Rule(None, statement.body) for goal in asked if goal is not None for statement in goal.statements]
+    rules += [rule for statement in source.statements if not is_directive(statement) for rule in _rules(statement)]
+    own = {id(step.goal) for rule in rules if rule.head is not None for step in rule.steps(set())}
+    found = {id(step.goal): (said, step.goal) for step in _asked(rules) if (said := step.early())}
+    return [str(ProgramError(said, **source.place(goal))) for key, (said, goal) in found.items() if key in own]
+
+
+def _rules(statement: Any) -> Iterator[Rule]:  # noqa: ANN401 - a term of ProbLog's
+    """One for each head; what a head asks comes after the condition of its clause."""
+    body = statement.body if isinstance(statement, (Clause, AnnotatedDisjunction)) else Term("true")
+    for head in heads(statement):
+        yield Rule(head, And(body, head.args[0]) if head.signature in SPECIAL_HEADS else body)
+
+
+def _asked(rules: list[Rule]) -> "Iterator[Step]":
+    """Every goal that the questions lead to, with as few values as some call gives it."""
+    of: dict[str, list[Rule]] = {}
+    for rule in rules:
+        of.setdefault(rule.name, []).append(rule)
+    opened, waiting = {"": set[int]()}, [""]
+    while waiting:
+        name = waiting.pop()
+        for step in (step for rule in of.get(name, ()) for step in rule.steps(opened[name])):
+            called = step.goal.signature
+            if called in of and (called not in opened or not step.opened() <= opened[called]):
+                opened.setdefault(called, set()).update(step.opened())
+                waiting.append(called)
+    return (step for name, places in opened.items() for rule in of.get(name, ()) for step in rule.steps(places))
+
+
+def _steps(goal: Any, bound: set[str], after: list[Any]) -> Iterator[Step]:  # noqa: ANN401 - a term of ProbLog's
+    """Each goal in a body, those included that it calls as they are written."""
+    bound, goals = set(bound), _conjuncts(goal)
+    for i, each in enumerate(goals):
+        later = [*goals[i + 1 :], *after]
+        if isinstance(each, Or):
+            for side in each.to_list():
+                yield from _steps(side, bound, later)
+        elif isinstance(each, Term) and not isinstance(each, (Var, Constant)):
+            yield Step(each, frozenset(bound), later)
+            for place, added in META.get(each.signature, ()):
+                if not added:
+                    yield from _steps(each.args[place], bound, [])
+        if getattr(each, "signature", "") not in NEGATIONS:
+            bound |= set(_names(each))
+
+
+def _conjuncts(goal: Any) -> list[Any]:  # noqa: ANN401 - a term of ProbLog's
+    found = []
+    while isinstance(goal, And):
+        found += _conjuncts(goal.op1)
+        goal = goal.op2
+    return [*found, goal]
+
+
+def _binds(goal: Any) -> set[str]:  # noqa: ANN401 - a term of ProbLog's
+    """The variables that a goal can give a value."""
+    signature = getattr(goal, "signature", "")
+    if isinstance(goal, (And, Or)):
+        return set().union(*map(_binds, goal.args))
+    if signature == "is/2":
+        return set(_names(goal.args[0]))
+    return set() if isinstance(goal, Var) or signature in NEGATIONS | TESTED else set(_names(goal))
+
+
+def _all(term: Any) -> list[str]:  # noqa: ANN401 - a term of ProbLog's
+    return [str(name) for name in term.variables()] if isinstance(term, Term) else []
+
+
+def _names(term: Any) -> list[str]:  # noqa: ANN401 - a term of ProbLog's
+    """The variables that have a name, in the order of the text."""
+    return [name for name in _all(term) if name != "_"]
+
+
+def _written(negation: Any) -> str:  # noqa: ANN401 - a term of ProbLog's
+    if not isinstance(negation, Not):
+        return str(negation)
+    inner = negation.args[0]
+    return f"{negation.functor} ({inner})" if isinstance(inner, (And, Or)) else f"{negation.functor} {inner}"
