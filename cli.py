@@ -189,7 +189,10 @@ def query(source: str, goal: str | None, given: tuple[str, ...], as_json: bool, 
 )
 @click.option("--kb", "kb_folder", type=PLACE, help="With --missing: the knowledge base, for the cause.")
 @click.option(
-    "-n", "number", type=click.IntRange(1), help="Explanations of each kind (default: 5; of present(h), a summary)."
+    "-n",
+    "number",
+    type=click.IntRange(1),
+    help="Explanations of each kind, whole (default: a screen of 5; of present(h), a summary).",
 )
 @RULES
 @WITHHOLD

@@ -7,7 +7,8 @@ from dataclasses import replace
 import pytest
 from situations import towers
 
-from plogic.face.session.account_text import account_text
+from plogic.face.session.account_text import SCREEN, account_text
+from plogic.logic.served.engine import Text
 from plogic.scene.asking.explanations import explain, present
 from plogic.scene.asking.presence import contributions
 from plogic.scene.worlds.ranked_worlds import ranked_worlds
@@ -85,3 +86,22 @@ def test_the_brief_text_leads_with_the_summary_and_says_how_to_get_the_rest():
     assert lines[0].startswith("P(present(t2)) = ")
     assert lines[1] == "t2 is a t2; in the most probable world that holds it, beside t1:"
     assert lines[-1] == "choice by choice: -n 5, or --json"
+
+
+def test_a_question_is_answered_on_one_screen_with_what_is_left_out():
+    account = explain(towers(mode="to_B"), "number_of_objects(2)")
+    whole, short = account_text(account).splitlines(), account_text(account, whole="more").splitlines()
+    assert len(whole) > 2 * SCREEN >= 2 * len(short)
+    assert short[0] == whole[0]
+    headings = [line for line in whole if line.startswith(("why", "  listed: "))]
+    assert headings
+    assert [line for line in short if line.startswith(("why", "  listed: "))] == headings
+    left = len(whole) - len(short) + 2
+    assert short[-1] == f'(the reasons end at "...", {left} lines are left out: more)'
+    assert {line.removesuffix(" ...") for line in short[:-2]} <= set(whole)
+    assert "it rests on present(t1) " in whole[-1]
+
+
+def test_what_fits_a_screen_is_told_whole():
+    account = explain(Text("0.5::a. b :- a."), "b")
+    assert account_text(account, whole="more") == account_text(account)

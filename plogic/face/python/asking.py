@@ -9,7 +9,7 @@ from typing import Self
 
 from plogic.base.errors import InputError, InterpretationError, LimitError
 from plogic.face.python.arguments import count, seconds, text, texts
-from plogic.face.session.account_text import account_text
+from plogic.face.session.account_text import WHOLE, account_text
 from plogic.face.session.blocks import Block, Lines, Result
 from plogic.face.session.minds import ranked
 from plogic.face.session.results import Answers, Worlds
@@ -134,17 +134,21 @@ class Asked:
 
         brief = summary is not None and bool(summary.summary)
         account = summary if summary is not None and brief else whole()
-        return Explanation(account, brief, stopped_of(subject), whole)
+        return Explanation(account, brief, stopped_of(subject), whole, short=n is None)
 
 
 @dataclass(frozen=True, repr=False)
 class Explanation(Result):
-    """Why a goal holds, and why not: ``account`` is all that there is to say, or, where it is ``brief``, a summary."""
+    """Why a goal holds, and why not: ``account`` is all that there is to say, or, where it is ``brief``, a summary.
+
+    ``short``: its text fits a screen, and says what is left out.
+    """
 
     account: Account
     brief: bool
     stopped: Stopped = ""
     whole: Callable[[], Account] | None = field(default=None, compare=False)
+    short: bool = False
 
     @cached_property
     def tree(self) -> Reason:
@@ -157,7 +161,9 @@ class Explanation(Result):
 
     def text(self, *, width: int = 118, styled: bool = False) -> str:  # noqa: ARG002 - trees have a width of their own
         """The text of ``plogic explain``."""
-        return with_notice(account_text(self.account, brief=self.brief), self.stopped)
+        return with_notice(
+            account_text(self.account, brief=self.brief, whole=WHOLE if self.short else None), self.stopped
+        )
 
     def blocks(self) -> tuple[Block, ...]:
         """The text, preformatted."""
@@ -165,7 +171,7 @@ class Explanation(Result):
 
     def __reduce__(self) -> tuple[object, ...]:
         """Take the tree along, and not the question that it would be asked by."""
-        return Explanation, (self.account, self.brief, self.stopped)
+        return Explanation, (self.account, self.brief, self.stopped, None, self.short)
 
 
 class Program(Asked):

@@ -247,13 +247,13 @@ class Explained(Result):
         hidden = self.brief and bool(account.summary) and bool(account.why or account.why_not)
         if hidden:
             account = replace(account, why=(), why_not=())
-        (head, *beside), *sections = (section.splitlines() for section in account_text(account).split("\n\n"))
+        whole = f"`{'whynot' if self.against else 'why'} 5 {self.account.goal}`"
+        text = account_text(account, whole=whole if self.brief else None)
+        (head, *beside), *sections = (section.splitlines() for section in text.split("\n\n"))
         given = f" {_given(self.observed)}" if self.observed else ""
         first: list[Block] = [Note(head + given), *([Lines("", tuple(beside))] if beside else [])]
         if hidden:
-            sections.append(
-                [f"(its explanations, choice by choice: `{'whynot' if self.against else 'why'} 5 {self.account.goal}`)"]
-            )
+            sections.append([f"(its explanations, choice by choice: {whole})"])
         if not sections:
             sections = [
                 ["there is no explanation: it holds in every world" if self.against else "there is no explanation"]

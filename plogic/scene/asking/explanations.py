@@ -14,11 +14,15 @@ from typing import TYPE_CHECKING, Any
 
 from plogic.base.errors import LimitError, OutsideError
 from plogic.facts.situation import Situation
+from plogic.logic.safety.atoms import quoted, tokens
 from plogic.logic.served.engine import Limits, ask, request_of
 from plogic.scene.asking.query import Subject, answers, subject_text
 
 if TYPE_CHECKING:
     from plogic.scene.asking.live import LiveScene
+
+COUNTING = frozenset({"number_of_objects", "number_of"})
+"""Predicates that speak of every hypothesis without naming one."""
 
 
 @dataclass(frozen=True)
@@ -129,7 +133,29 @@ def explain(
 
         if why := excluding(subject, goal):
             account = replace(account, notes=(*account.notes, f"no world holds it, because of {' and '.join(why)}"))
-    return account if summary is None else replace(account, summary=summary.summary)
+    if summary is not None:
+        return replace(account, summary=summary.summary)
+    return replace(account, notes=(*account.notes, *_presence(subject, goal, given)))
+
+
+def _presence(subject: Subject, goal: str, given: Sequence[str]) -> list[str]:
+    """How probable it is that the hypotheses are present of which a goal speaks; all, where it counts them."""
+    if not isinstance(subject, Situation):
+        return []
+    from plogic.scene.asking.live import LiveScene
+    from plogic.scene.asking.presence import listed
+
+    said = set(tokens(goal))
+    names = [h.id for h in subject.hypotheses if h.id in said or not said.isdisjoint(COUNTING)]
+    scene = LiveScene(subject)
+    try:
+        for observed in given:
+            scene.observe(observed)
+        chances = scene.marginals() if names else {}
+    except OutsideError:
+        return []
+    shown = [f"present({quoted(name)}) {sum(chances[name]) / 2:.4g}" for name in names]
+    return [f"it rests on {listed(shown)}; each has an explanation of its own"] if shown else []
 
 
 def _explained(subject: Subject, goal: str, given: Sequence[str], most: int, limits: Limits) -> Account:
