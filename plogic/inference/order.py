@@ -167,25 +167,46 @@ def members(mask: int) -> list[int]:
 
 
 def sweep(graph: Sequence[int], bits: Sequence[float], check: Callable[[], None] = lambda: None) -> list[int]:
-    """From an end of the graph, always the boundary variable that brings the fewest bits of new ones, ties by age."""
-    left = (1 << len(graph)) - 1
+    """From an end of the graph, always the boundary variable that brings the fewest bits of new ones, ties by age.
+
+    What a variable ``brings`` falls with each neighbour that joins the boundary, and does not change otherwise: a queue
+    of all values that it had is cheaper than a look along the boundary, which may be thousands wide.
+    """
+    left, reached = (1 << len(graph)) - 1, 0
     sequence: list[int] = []
-    boundary: list[int] = []
+    brings: dict[int, float] = {}
+    age: dict[int, int] = {}
+    queue: list[tuple[float, int, int]] = []
     while left:
         check()
-        if not boundary:
-            boundary = [_last(graph, left, _last(graph, left, members(left & -left)[0]))]
-        reached = sum(1 << v for v in boundary)
-        v = min(boundary, key=_growth(graph, bits, left & ~reached))
-        boundary.remove(v)
-        left &= ~(1 << v)
-        sequence.append(v)
-        boundary.extend(members(graph[v] & left & ~reached))
+        if brings:
+            value, _, v = heapq.heappop(queue)
+            if v not in brings or value != _tie(brings[v]):
+                continue
+            del brings[v]
+            left &= ~(1 << v)
+            sequence.append(v)
+            joining = members(graph[v] & left & ~reached)
+        else:
+            joining = [_last(graph, left, _last(graph, left, members(left & -left)[0]))]
+        reached |= sum(1 << v for v in joining)
+        changed = dict.fromkeys(joining)
+        for v in joining:
+            for u in members(graph[v] & left & reached):
+                if u in brings:
+                    brings[u] -= bits[v]
+                    changed[u] = None
+        for v in joining:
+            age[v] = len(age)
+            brings[v] = sum(bits[u] for u in members(graph[v] & left & ~reached)) - bits[v]
+        for v in changed:
+            heapq.heappush(queue, (_tie(brings[v]), age[v], v))
     return sequence
 
 
-def _growth(graph: Sequence[int], bits: Sequence[float], fresh: int) -> Callable[[int], float]:
-    return lambda v: sum(bits[u] for u in members(graph[v] & fresh)) - bits[v]
+def _tie(bits: float) -> float:
+    """What is the same but for the order in which it was added up."""
+    return round(bits, 9)
 
 
 def _last(graph: Sequence[int], left: int, start: int) -> int:

@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from plogic.inference.order import elimination_order, members, min_fill, neighbours, order_along
+from plogic.inference.order import elimination_order, members, min_fill, neighbours, order_along, sweep
 
 LAW = settings(derandomize=True, deadline=None, max_examples=100)
 
@@ -70,6 +70,23 @@ def test_min_fill_takes_the_least_fill_then_the_smaller_table_then_the_lower_num
 def _fill(graph, v):
     around = members(graph[v])
     return sum(1 for a in around for b in around if a < b and not graph[a] >> b & 1)
+
+
+@LAW
+@given(scopes_of)
+def test_a_sweep_takes_from_its_boundary_what_brings_the_fewest_new_bits_then_the_oldest(drawn):
+    cards, scopes = drawn
+    graph = neighbours(len(cards), scopes)
+    around, bits = [set(members(mask)) for mask in graph], [math.log2(card) for card in cards]
+    boundary, gone = [], set()
+    for v in sweep(graph, bits):
+        boundary = boundary or [v]  # where a piece begins
+        fresh = set(range(len(cards))) - gone - set(boundary)
+        brings = {u: round(sum(bits[w] for w in around[u] & fresh) - bits[u], 9) for u in boundary}
+        assert v == min(boundary, key=brings.__getitem__)
+        boundary = [u for u in boundary if u != v] + sorted(around[v] & fresh)
+        gone.add(v)
+    assert len(gone) == len(cards)
 
 
 @pytest.mark.parametrize("side", [13, 16, 19])

@@ -27,6 +27,10 @@ if TYPE_CHECKING:
     from plogic.logic.dnnf.cnf import Propagated
     from plogic.logic.grounding.ground_program import Gate, Ground, Literal
 
+WIDE = 100
+"""Children of a gate from which on every pair of them is too much: a ``findall`` over nine choices has 512 results; its
+process took 2.4 s of the processor with tables and takes 0.36 s without. Over twelve choices, 4,096 results,
+it takes 4.2 s with pairs and 1.9 s without."""
 LEAST_MASS = 1e-200
 """Evidence less probable than that would be rounded: another way is asked."""
 
@@ -175,9 +179,15 @@ def _draws(ground: Ground, known: Propagated, weight: list[float]) -> dict[int, 
 
 
 def _order(ground: Ground, drawn: dict[int, list[int]]) -> list[int]:
-    """The variables of the diagrams in the order in which a sweep meets their choices; ``drawn`` in its own order."""
+    """The variables of the diagrams in the order in which a sweep meets their choices; ``drawn`` in its own order.
+
+    Children of one gate are neighbours; of a wide one each is the gate's alone, for pairs grow by the square.
+    """
     count = ground.size + 1
-    scopes = [(variable, *(abs(c) for c in gate.children if c)) for variable, gate in ground.gates.items()]
+    scopes: list[tuple[int, ...]] = []
+    for variable, gate in ground.gates.items():
+        children = [abs(child) for child in gate.children if child]
+        scopes += [(variable, *children)] if len(children) <= WIDE else [(variable, child) for child in children]
     turn = {v: i for i, v in enumerate(sweep(neighbours(count, scopes), [1.0] * count))}
     choices = sorted(drawn, key=turn.__getitem__)
     return list(dict.fromkeys(abs(literal) for choice in choices for literal in drawn[choice])) or [1]

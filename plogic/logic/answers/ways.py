@@ -1,6 +1,7 @@
 """Which way a program is counted: the cheapest by estimates that cost little and depend on nothing but the program.
 
-1. Diagrams, of few choices and up to few nodes: the quickest way of small programs, which need no numpy then.
+1. Diagrams, of few choices and up to few nodes: the quickest way of small programs, which need no numpy then. Of gates
+   with many children up to more nodes, for tables take seconds to plan there.
 2. No cycle: tables, where they are small.
 3. Diagrams, up to a number of nodes; of a program with cycles up to a larger one, since it need not be unrolled.
 4. Larger tables.
@@ -15,7 +16,7 @@ from contextlib import suppress
 from typing import TYPE_CHECKING
 
 from plogic.base.errors import InconsistentError
-from plogic.logic.answers.by_diagrams import Diagrams, GiveUpError
+from plogic.logic.answers.by_diagrams import WIDE, Diagrams, GiveUpError
 from plogic.logic.dnnf.cnf import IMPOSSIBLE, propagated
 from plogic.logic.grounding.load import ground
 
@@ -29,9 +30,6 @@ SMALL, LARGE = 20.0, 26.0
 CHOICES, FIRST, FEW, MANY = 100, 5_000, 100_000, 2_000_000
 """Alternatives up to which diagrams are tried first; nodes of diagrams: milliseconds, tenths of a second, and some
 seconds."""
-WIDE = 100
-"""Children of a gate from which on tables take seconds to plan: a ``findall`` over nine choices has 512 results; its
-process took 2.4 s of the processor with tables and takes 0.36 s without."""
 
 
 def counted(request: Request) -> tuple[Ground, list[float]]:
@@ -50,12 +48,10 @@ def counted(request: Request) -> tuple[Ground, list[float]]:
 def probabilities(found: Ground) -> list[float]:
     """P(query | evidence) of each query of a program without cycles; raises InconsistentError, LimitError."""
     known = _known(found)
-    if len(found.alternatives) <= CHOICES:
+    wide = max((len(gate.children) for gate in found.gates.values()), default=0) > WIDE
+    if wide or len(found.alternatives) <= CHOICES:
         with suppress(GiveUpError):
-            return _by_diagrams(found, known, FIRST)
-    if max((len(gate.children) for gate in found.gates.values()), default=0) > WIDE:
-        with suppress(GiveUpError):
-            return _by_diagrams(found, known, FEW)
+            return _by_diagrams(found, known, FEW if wide else FIRST)
     from plogic.logic.answers.by_tables import tables_of
 
     asked = [literal for _, literal in found.asked]
