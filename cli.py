@@ -151,7 +151,6 @@ def worlds(source: str, number: int, given: tuple[str, ...], as_json: bool, **op
     """List the possible worlds, most probable first, with the mass that is not listed."""
     from plogic.face.commands.asking import worlds_command
 
-    _warn(source, trust=options["trust"])
     text, status = worlds_command(source, number, given, Asking(**options), as_json=as_json)
     emit(text)
     sys.exit(status)
@@ -172,7 +171,6 @@ def query(source: str, goal: str | None, given: tuple[str, ...], as_json: bool, 
     """Give P(goal) with every answer substitution, most probable first; without a goal, the program's own queries."""
     from plogic.face.commands.asking import query_command
 
-    _warn(source, trust=options["trust"])
     text, status = query_command(source, goal, given, Asking(**options), as_json=as_json)
     emit(text)
     sys.exit(status)
@@ -224,7 +222,6 @@ def explain(
         raise click.UsageError("--kb: only with --missing")
     from plogic.face.commands.asking import explain_command
 
-    _warn(source, trust=options["trust"])
     emit(explain_command(source, goal or "", given, number, Asking(**options), as_json=as_json))
 
 
@@ -333,16 +330,6 @@ cli.add_command(next_view)
 cli.add_command(measures)
 cli.add_command(schema)
 cli.add_command(settle)
-
-
-def _warn(source: str, *, trust: bool) -> None:
-    """Say on stderr what --trust lifts of a program; an interpretation's is our own."""
-    from plogic.run.sources import is_program
-
-    if trust and is_program(source):
-        from plogic.logic.safety.allowlist import TRUSTED
-
-        say(TRUSTED)
 
 
 def main() -> None:

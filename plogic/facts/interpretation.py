@@ -14,7 +14,8 @@ from typing import TYPE_CHECKING, Final, cast
 import numpy as np
 
 from geometry.errors import Mistake
-from geometry.files.documents import Document, read_json
+from geometry.files.documents import Document, parsed_json, read_json
+from geometry.files.plain_files import name_of
 from geometry.printable import shown
 from plogic.base.errors import InterpretationError
 from plogic.facts.carried_rows import TypeRow
@@ -51,6 +52,7 @@ if TYPE_CHECKING:
 FORMAT: Final = "interpretation/1"
 LARGEST = 256 * 2**20
 """Bytes of an interpretation that is read."""
+HOLDS = "it should hold what a picture shows"
 
 
 def facts_of(situation: Situation) -> list[Fact]:
@@ -270,6 +272,11 @@ def read_interpretation(path: Path | str) -> Interpretation:
     return interpretation_in(parsed(path))
 
 
+def interpretation_of_text(text: str) -> Interpretation:
+    """As ``read_interpretation``, of what came over stdin."""
+    return interpretation_in(parsed_json(text, name_of("-"), HOLDS, InterpretationError, finite=True))
+
+
 def interpretation_in(document: Document, formats: str = "{}") -> Interpretation:
     """The interpretation that was read; ``formats`` tells which formats it could have been.
 
@@ -308,4 +315,4 @@ def _numbered(fault: Mistake, document: object) -> Mistake:
 
 def parsed(path: Path | str) -> Document:
     """The JSON of a file; '-' is stdin. Raises InterpretationError, one line."""
-    return read_json(path, LARGEST, "it should hold what a picture shows", InterpretationError, finite=True)
+    return read_json(path, LARGEST, HOLDS, InterpretationError, finite=True)

@@ -111,3 +111,20 @@ def program_text_of(path: str) -> str:
     from geometry.files.plain_files import text_of
 
     return text_of(path, LARGEST_PROGRAM, InputError, "program")
+
+
+def stdin_text() -> tuple[str, bool]:
+    """What comes over stdin, and whether it is ProbLog text: no JSON, and not nothing. Raises InputError."""
+    from geometry.files.plain_files import name_of, text_of
+    from plogic.facts.interpretation import LARGEST
+
+    text = text_of("-", LARGEST, InputError, "interpretation, nor a program")
+    begin = text.lstrip()[:1]
+    if begin in ("", "{", "["):
+        return text, False
+    size = len(text.encode())
+    if size > LARGEST_PROGRAM:
+        raise InputError(
+            f"{name_of('-')}: has {size} bytes, more than the {LARGEST_PROGRAM} of a program that are read"
+        )
+    return text, True

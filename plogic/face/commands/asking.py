@@ -21,6 +21,7 @@ from plogic.facts.caveats import caveats
 from plogic.facts.document import WorldRow
 from plogic.facts.situation import Reading
 from plogic.facts.spatial import exclusion_lines, exclusions
+from plogic.logic.safety.allowlist import TRUSTED
 from plogic.logic.safety.atoms import quoted
 from plogic.logic.safety.notes import notes
 from plogic.logic.served.engine import TOO_DEEP, ProgramRanking
@@ -49,7 +50,7 @@ def worlds_command(
     """The ranked worlds, taken anew, so that any number of them can be had; exit 3 where the deadline was reached."""
     asked = _opened(source, options, given)
     found, ranking = ranked(asked.beside(options.rules), number, given, asked.limits, options.deadline)
-    if is_program(source):
+    if isinstance(asked, Program):
         return _of_text(found, ranking, None, as_json=as_json)
     from plogic.face.python.interpretation import Interpretation
 
@@ -63,6 +64,8 @@ def _opened(source: str, options: Asking, asked: Sequence[str | None]) -> Asked:
     """What the file holds; of a plain program and of rules it is said what they surely do not mean (``notes``)."""
     found = opened(source, options.reading, trust=options.trust, withhold=options.withhold)
     goals = [goal for goal in asked if goal is not None]
+    if options.trust and isinstance(found, Program):
+        say(TRUSTED)
     lines = notes(found.text, found.file, goals) if isinstance(found, Program) else []
     if options.rules is not None and options.rules != "-":
         lines += notes(program_text_of(options.rules), options.rules, goals, added=True)
@@ -198,7 +201,7 @@ def query_command(
         table = tables.text_of_table(tables.answers(document))
         if not found.complete or any(a.interval[1] > 0 for a in found.answers):
             return table
-        said = [] if found.answers else [_none(source, goal)]
+        said = [] if found.answers else [_none(source, asked, goal)]
         if goal is not None:
             limits = replace(asked.limits, seconds=max(0.0, min(asked.limits.seconds, clock.left())))
             said += unknown_names(asked.beside(options.rules), goal, limits=limits)
@@ -207,10 +210,12 @@ def query_command(
     return _told(document, found, text, WITHIN if found.answers else NOTHING, as_json=as_json)
 
 
-def _none(source: str, goal: str | None) -> str:
+def _none(source: str, asked: Asked, goal: str | None) -> str:
     """An empty answer in words."""
-    if goal is None and is_program(source):
-        return f"{source} asks nothing: it has no query/1, or none that holds; give a goal: plogic query {source} GOAL"
+    if goal is None and isinstance(asked, Program):
+        return (
+            f"{asked.file} asks nothing: it has no query/1, or none that holds; give a goal: plogic query {source} GOAL"
+        )
     return "no answer: nothing of this form holds with positive probability"
 
 
@@ -240,7 +245,6 @@ def shell_command(source: str, options: Asking, *, write: Callable[[str], None],
     """
     from plogic.base.children import ending_well
     from plogic.face.python.sessions import Session
-    from plogic.logic.safety.allowlist import TRUSTED
 
     if source == "-":
         raise InputError("-: stdin holds the lines of the session; give the interpretation or the program as a file")

@@ -7,6 +7,7 @@ from json import JSONDecodeError
 from pathlib import Path
 from typing import Self
 
+from geometry.files.plain_files import name_of
 from plogic.base.errors import InputError, InterpretationError, LimitError
 from plogic.face.python.arguments import count, seconds, text, texts
 from plogic.face.session.account_text import WHOLE, account_text
@@ -15,7 +16,7 @@ from plogic.face.session.minds import ranked
 from plogic.face.session.results import Answers, Worlds
 from plogic.facts.situation import Reading, Stopped
 from plogic.logic.served.engine import TOO_DEEP, Limits, Text
-from plogic.run.sources import is_program, program_text_of
+from plogic.run.sources import is_program, program_text_of, stdin_text
 from plogic.scene.asking.explanations import Account, Reason, explain, present
 from plogic.scene.asking.query import Subject, answers, answers_until, stopped_of
 from plogic.scene.readings.unfinished import with_notice
@@ -207,21 +208,23 @@ class Program(Asked):
 def opened(
     path: str | Path, reading: Reading | None = None, *, trust: bool = False, withhold: Sequence[str] = ()
 ) -> Asked:
-    """Return what a file holds: a program, or an interpretation, in the other reading where one is named.
+    """Return what a file, or stdin for ``-``, holds: a program, or an interpretation, in a reading where one is named.
 
     ``withhold``: the hypotheses of it whose poses nobody knows.
 
     Raises:
         Error: where it cannot be read.
     """
-    if is_program(str(path)):
+    text, is_text = stdin_text() if str(path) == "-" else (None, is_program(str(path)))
+    if is_text:
         if withhold:
             raise InputError(f"{path}: a program has no poses to withhold")
-        return Program.load(path, trust=trust)
+        return Program.load(path, trust=trust) if text is None else Program(text, name_of(path), trust=trust)
     from plogic.face.python.interpretation import Interpretation  # numpy and what is of scenes
+    from plogic.facts.interpretation import interpretation_of_text
 
     try:
-        found = Interpretation.load(path)
+        found = Interpretation.load(path) if text is None else Interpretation(interpretation_of_text(text))
     except InterpretationError as error:
         if not isinstance(error.__context__, JSONDecodeError):
             raise

@@ -107,6 +107,13 @@ def test_a_dash_is_stdin(command, interpretation):
     assert good(*command, stdin=interpretation.read_text()) == from_file
 
 
+@pytest.mark.parametrize("command", [("worlds", "-"), ("query", "-", "wet"), ("explain", "-", "wet")], ids=" ".join)
+def test_a_program_comes_over_stdin_too(command, program_file):
+    from_file = good(*(program_file if word == "-" else word for word in command))
+    assert good(*command, stdin=program_file.read_text()) == from_file
+    assert "<stdin>:1:6: " in plogic(*command, stdin="0.5::Rain.\n").stderr
+
+
 def test_report_is_the_demos_page_to_a_file_or_stdout(demo, interpretation, tmp_path):
     run = plogic("report", interpretation, "-o", "page.html", cwd=tmp_path)
     assert (run.returncode, run.stdout, run.stderr) == (0, "", "wrote page.html\n")
