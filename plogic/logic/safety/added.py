@@ -18,6 +18,7 @@ from plogic.logic.safety.allowlist import LOADERS, META, SPECIAL_HEADS
 from plogic.logic.safety.atoms import Names
 from plogic.logic.safety.check import Mistake, Source, check_source, glanced, heads, is_directive, with_place
 from plogic.logic.safety.mapping import label_of, shown
+from plogic.logic.safety.slips import DECLARED
 
 LAW = r"""
 % No world violates a constraint that may not fail in it.
@@ -148,7 +149,8 @@ def idle(text: str, file: str) -> list[str]:
 def _idle(source: Source) -> Iterator[tuple[str, Any]]:
     for statement in source.statements:
         if is_directive(statement):
-            if statement.body.signature not in LOADERS | {"consult/1"}:
+            name = str(statement.body.functor)
+            if statement.body.signature not in LOADERS | {"consult/1"} and name not in DECLARED:
                 remedy = f"write excluded :- {statement.body}. evidence(\\+ excluded)."
                 yield f"a clause without a head excludes no world: {remedy}", statement.body
             continue

@@ -32,6 +32,7 @@ from plogic.logic.safety.allowlist import (
 )
 from plogic.logic.safety.closest import closest
 from plogic.logic.safety.rows import LONG, MOST, QUICK, SHORT_TEXT, rows_in
+from plogic.logic.safety.slips import slip
 
 LONGEST_TEXT = 20_000_000
 """Characters that a program may have."""
@@ -101,7 +102,10 @@ def _parsed(text: str, file: str, identifier: int) -> Source:
             program = PrologString(text, identifier=identifier)
             source = Source(text, file, tuple(program), program)
     except ProbLogError as error:
-        raise ProgramError(error.base_message, file=file, **_line_column(text, error.location)) from None
+        place = _line_column(text, error.location)
+        found = slip(text, _position(text, place))
+        reason, place = (error.base_message, place) if found is None else (found.said, _line_column(text, found.place))
+        raise ProgramError(reason, file=file, **place) from None
     except RecursionError:
         raise ProgramError(TOO_DEEP, file=file) from None
     except Exception as error:  # noqa: BLE001 - the parser raises what its actions raise (a cut, a bad number)
@@ -192,6 +196,13 @@ def heads(statement: Any) -> list[Any]:  # noqa: ANN401 - a term of ProbLog's
     return [statement] if isinstance(statement, Term) else []
 
 
+def _is_no_predicate(head: Any) -> bool:  # noqa: ANN401 - a term of ProbLog's
+    """Whether a head is a variable, a number, several goals, or a number with one colon before a goal."""
+    if isinstance(head, (Var, Constant, And)):
+        return True
+    return head.signature == ":/2" and isinstance(head.args[0], Constant) and isinstance(head.args[0].functor, float)
+
+
 def check_goal(source: Source, known: frozenset[str]) -> Any:  # noqa: ANN401 - a term of ProbLog's
     """The one goal that a text consists of, held to the allow-list; it may call what is ``known``."""
     if len(source.statements) != 1 or isinstance(source.statements[0], (Clause, AnnotatedDisjunction, Var, Constant)):
@@ -260,8 +271,10 @@ class _Checker:
             self.directive(statement.body)
             return
         found = heads(statement)
-        if not found or any(isinstance(head, (Var, Constant)) for head in found):
-            self.note(ProgramError, statement, "a clause must start with a predicate")
+        if not found or any(_is_no_predicate(head) for head in found):
+            text = self.source.text
+            mistaken = slip(text, _position(text, self.source.place(statement))) or slip(text, None)
+            self.note(ProgramError, statement, mistaken.said if mistaken else "a clause must start with a predicate")
             return
         for head in found:
             self.head(head)
@@ -373,3 +386,13 @@ def _line_column(text: str, location: object) -> dict[str, Any]:
         before = text[:location]
         return {"line": before.count("\n") + 1, "column": location - before.rfind("\n")}
     return {}
+
+
+def _position(text: str, place: dict[str, Any]) -> int | None:
+    """Where a place is in the text, from 0; None where it is not known."""
+    if "line" not in place:
+        return None
+    begin = -1
+    for _ in range(place["line"] - 1):
+        begin = text.find("\n", begin + 1)
+    return begin + int(place["column"])

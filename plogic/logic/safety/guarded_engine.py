@@ -48,6 +48,7 @@ from plogic.logic.safety.allowlist import (
 )
 from plogic.logic.safety.check import Source, heads, is_directive, parse, together, with_place
 from plogic.logic.safety.closest import closest
+from plogic.logic.safety.slips import DECLARED
 
 FOLDER = problog.root_path("problog", "library")
 """ProbLog's own library; nothing outside it is ever opened."""
@@ -280,6 +281,7 @@ OFFERED = {
 NONE_SUCH = {
     "!/0": "ProbLog has no cut: let each clause say when it holds, or see library(cut)",
     **dict.fromkeys(("~/2", "normal/2"), "choices of plogic are discrete: give values with a probability each"),
+    **dict.fromkeys((f"{name}/1" for name in DECLARED), "ProbLog needs no such line: leave it out"),
     "->/2": "ProbLog has no if-then-else: write (Condition, Then ; \\+ Condition, Else)",
 }
 

@@ -19,6 +19,15 @@ NOT_HERE = {
 """What labels that are no numbers are for, by their functors."""
 
 
+DRAWN = (
+    "choices of plogic are discrete, and nothing is drawn from a distribution: give values with a probability each, "
+    "as in 0.3::low; 0.7::high."
+)
+"""What is said of ``X ~ normal(0,1)``, which ProbLog reads as ``X::normal(0,1)``."""
+NEAR = 80
+"""Blanks after a tilde that are looked through, at most: a line of them."""
+
+
 _NUMBER = re.compile(r"[0-9.]*[1-9][0-9.]*(?:[eE][-+]?[0-9]+)?")
 """One that is written with more than zeros."""
 
@@ -28,6 +37,10 @@ def mistaken(found: list[Any], text: str) -> Iterator[tuple[Any, str]]:
 
     ``text``: that of the program.
     """
+    drawn = [head for head in found if _is_drawn(head, text)]
+    if drawn:
+        yield from ((head, f"{head.probability} ~ {head.with_probability(None)}: {DRAWN}") for head in drawn)
+        return
     labels = [(head, head.probability) for head in found if isinstance(head, Term) and head.probability is not None]
     numbers = [(head, label, number_of(label)) for head, label in labels]
     wrong = [
@@ -43,6 +56,14 @@ def mistaken(found: list[Any], text: str) -> Iterator[tuple[Any, str]]:
     total = sum(value for _, _, value in numbers if value is not None)
     if not wrong and total > 1.0 + SLACK:
         yield found[0], adding_up(total)
+
+
+def _is_drawn(head: Any, text: str) -> bool:  # noqa: ANN401 - a term of ProbLog's
+    """Whether a tilde stands between a label and its head."""
+    if getattr(head, "probability", None) is None or head.location is None or head.location[1] is None:
+        return False
+    end = head.location[1]
+    return text[max(0, end - NEAR) : end].rstrip().endswith("~")
 
 
 def adding_up(total: float) -> str:

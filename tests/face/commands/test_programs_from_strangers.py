@@ -111,7 +111,7 @@ def test_a_proof_too_deep_to_be_told_is_said_so(tmp_path):
     text = "0.5::a.\nn(0) :- a.\nn(N) :- N > 0, M is N - 1, n(M).\n"
     file = written(tmp_path, text)
     assert "nested too deeply" in refusal("explain", file, "n(5000)")
-    told = plogic("explain", file, "n(500)")
+    told = plogic("explain", file, "n(500)", "-n", 1)
     assert (told.returncode, told.stdout.count("[rule]")) == (0, 501)
 
 
