@@ -119,3 +119,10 @@ def test_a_choice_whose_head_other_clauses_give_too_is_told_with_its_line():
     assert best.holds == ("burglary",)
     assert "\\+alarm (line 4)" in best.choices
     assert "burglary" in best.choices
+
+
+def test_choices_that_have_nothing_to_do_with_what_is_asked_are_not_listed():
+    alone = "0.5::d. 0.9::e. f :- d. f :- e. evidence(f).\n"
+    tied = "0.3::a. 0.4::b; 0.1::c. t :- a. t :- c. evidence(t).\n"
+    found = worlds(f"{alone}{tied}query(a).")
+    assert [world["choices"] for world in found] == [["a", "\\+c"], ["\\+a", "c"]]

@@ -1,9 +1,9 @@
 """The possible worlds of a program, most probable first, grouped by the truth of its queries (in the child process).
 
 A possible world is a total choice. Worlds in which the same query atoms hold are told as one, with their probability
-together and the most probable total choice among them: of the choices that the queries and the evidence depend on,
-every other being free. The states of independent factors are merged lazily, the best combinations first, however many
-there are (Lawler, Murty).
+together and the most probable total choice among them: of the choices that the queries are made of, and of those that
+evidence ties to them; every other has nothing to do with what is asked. The states of independent factors are merged
+lazily, the best combinations first, however many there are (Lawler, Murty).
 
 A *state* says which of a factor's query atoms hold. The search decides one atom after the other; what it goes by is the
 circuit itself, with the greatest instead of the sum wherever the branches of an OR differ in a query atom. That is
@@ -29,7 +29,7 @@ from plogic.base.walk import reached
 from plogic.logic.answers.answer import grouped, prepared
 from plogic.logic.dnnf.compiled import Circuit, Compiled, Floats, circuit_of
 from plogic.logic.dnnf.nnf import AND, LITERAL, Nnf, nodes_under
-from plogic.logic.grounding.ground_program import Literal
+from plogic.logic.grounding.ground_program import Ground, Literal
 from plogic.logic.grounding.load import Request, line_of
 from plogic.logic.safety.check import heads
 from plogic.logic.safety.mapping import shown
@@ -239,8 +239,11 @@ class _Worlds:
         self.places = [_places(factor, [lit for _, lit in texts]) for factor in self.deciding]
         fixed = [v if value else -v for v, value in program.residue.fixed.items()]
         self.settled = {*fixed, *(literal for factor in factors if not factor.variables for literal in factor.best(()))}
+        used = _used(program.ground, [literal for _, literal in texts])
         self.alternatives = [
-            (a.variables, names_of) for a, names_of in zip(program.ground.alternatives, names, strict=True)
+            (a.variables, names_of)
+            for a, names_of in zip(program.ground.alternatives, names, strict=True)
+            if not used.isdisjoint(a.variables)
         ]
         self.completions: dict[tuple[int, State], list[int]] = {}
 
@@ -305,6 +308,22 @@ def _choice_names(request: Request, program: Compiled) -> list[list[str]]:
         return text if line is None else f"{text} (line {line})"
 
     return [[told(*pair) for pair in zip(*both, strict=True)] for both in zip(texts, terms, strict=True)]
+
+
+def _used(found: Ground, asked: list[Literal]) -> set[int]:
+    """The variables that what is asked is made of, and whatever evidence says that has some of them in it."""
+    siblings = {v: alternative.variables for alternative in found.alternatives for v in alternative.variables}
+
+    def under(variable: int) -> Iterator[int]:
+        children = found.gates[variable].children if variable in found.gates else ()
+        return (abs(child) for child in (*children, *siblings.get(variable, ())) if child)
+
+    used = set(reached([abs(literal) for literal in asked if literal], under))
+    waiting = [set(reached([abs(literal)], under)) for literal in found.observed]
+    while tied := [each for each in waiting if not used.isdisjoint(each)]:
+        used = used.union(*tied)
+        waiting = [each for each in waiting if used.isdisjoint(each)]
+    return used
 
 
 def _places(factor: Factor, literals: list[Literal]) -> list[tuple[int, int, bool]]:
