@@ -241,6 +241,7 @@ def shell(source: str, **options: Any) -> None:
 @cli.command()
 @click.argument("interpretation", metavar="[INTERPRETATION]", required=False, type=PLACE)
 @click.option("--kb", "kb_folder", type=PLACE, help="Folder of a knowledge base, or a shipped one: print Σ alone.")
+@RULES
 @WITHHOLD
 @READING
 @AS_JSON

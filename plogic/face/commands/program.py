@@ -8,7 +8,7 @@ from pathlib import Path
 from plogic.base.errors import InputError
 from plogic.face.shown.printed import written
 from plogic.facts.interpretation import read_interpretation, situation_of
-from plogic.facts.situation import Reading
+from plogic.facts.situation import Reading, Situation, names_of
 from plogic.scene.readings.unfinished import marks, with_notice
 
 
@@ -18,12 +18,13 @@ def program_command(
     *,
     reading: Reading | None = None,
     withhold: Sequence[str] = (),
+    rules: str | None = None,
     as_json: bool = False,
 ) -> str:
     """The ProbLog text of an interpretation with its queries, or of a knowledge base: Σ alone.
 
-    As somebody would write it who does not know the poses that are withheld. Raises InputError where both are given, or
-    none.
+    As somebody would write it who does not know the poses that are withheld; with ``rules``, a file of a user's own,
+    which are checked as those of a knowledge base are. Raises InputError where both are given, or none, ProgramError.
     """
     from plogic.scene.text.program_text import program_text, query_lines
 
@@ -42,9 +43,28 @@ def program_command(
             document = without_poses(document, withhold)
         situation = situation_of(document)
     situation = situation if reading is None else replace(situation, reading=reading)
+    if rules is not None:
+        situation = replace(situation, rules=_with_rules(situation, rules))
     text = program_text(situation) + "\n" + query_lines(situation)
     told = {"format": "program/1", "reading": situation.reading, "program": text, **marks(situation.stopped)}
     return json.dumps(told) if as_json else text
+
+
+def _with_rules(situation: Situation, file: str) -> str:
+    """The author's rules and those of a file, which may add to neither them nor the program."""
+    from plogic.logic.safety.author import FILE, author_rules, load_problog
+    from plogic.run.sources import program_text_of
+    from plogic.scene.text.rules import defined
+
+    own, known = program_text_of(file), defined()
+    load_problog()
+    from plogic.logic.safety.added import LAWFUL, check_added, lawful
+    from plogic.logic.safety.check import parse
+
+    theirs = parse(situation.rules, FILE)
+    known |= check_added(theirs, known) | (LAWFUL if lawful(theirs, known) != theirs.text else frozenset())
+    author_rules(own, names_of(situation), known, file)  # its mistakes are told at their place in it
+    return f"{situation.rules}\n{own}"
 
 
 def report_command(interpretation: str, out: str, *, say: Callable[[str], None], write: Callable[[str], None]) -> None:

@@ -85,6 +85,18 @@ def asked_too_early(text: str, file: str, goals: Sequence[str] = ()) -> list[str
     return [str(ProgramError(said, **source.place(goal))) for key, (said, goal) in found.items() if key in own]
 
 
+def never_bound(clause: str) -> list[str]:
+    """The variables of a clause's head that no goal of its body can give a value: whoever calls it must."""
+    source = glanced(clause, "clause")
+    rules = [] if source is None else [rule for statement in source.statements for rule in _rules(statement)]
+    return [
+        name
+        for rule in rules
+        for name in _names(rule.head)
+        if not any(name in _binds(goal) for goal in _conjuncts(rule.body))
+    ]
+
+
 def _rules(statement: Any) -> Iterator[Rule]:  # noqa: ANN401 - a term of ProbLog's
     """One for each head; what a head asks comes after the condition of its clause."""
     body = statement.body if isinstance(statement, (Clause, AnnotatedDisjunction)) else Term("true")

@@ -17,6 +17,7 @@ from plogic.facts.situation import Situation
 from plogic.logic.safety.atoms import quoted, tokens
 from plogic.logic.served.engine import Limits, ask, request_of
 from plogic.scene.asking.query import Subject, answers, subject_text
+from plogic.scene.text.values_asked import told_in_words
 
 if TYPE_CHECKING:
     from plogic.scene.asking.live import LiveScene
@@ -160,7 +161,8 @@ def _presence(subject: Subject, goal: str, given: Sequence[str]) -> list[str]:
 
 def _explained(subject: Subject, goal: str, given: Sequence[str], most: int, limits: Limits) -> Account:
     text, names = subject_text(subject)
-    reply = ask({**request_of([text], [goal], given, names), "task": "prove", "most": most}, limits)
+    with told_in_words(text):
+        reply = ask({**request_of([text], [goal], given, names), "task": "prove", "most": most}, limits)
     return Account(
         goal,
         reply["probability"],

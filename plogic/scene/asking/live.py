@@ -15,6 +15,7 @@ import time
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager, suppress
 from dataclasses import replace
+from functools import partial
 from typing import NamedTuple
 
 from plogic.base.errors import InconsistentError, ProgramError, SituationError, UnknownPredicateError
@@ -31,7 +32,7 @@ from plogic.scene.factors.asked_formulas import Asked, literals
 from plogic.scene.factors.goal_meaning import Meaning, meaning
 from plogic.scene.factors.scene_graph import SceneGraph, scene_graph
 from plogic.scene.text.program_text import added_to
-from plogic.scene.worlds.blame import blaming
+from plogic.scene.worlds.blame import blaming, unsmoothed
 from plogic.scene.worlds.ranked_worlds import Ranking, listed_worlds, ranking_of, with_joint_causes
 
 TRIED = 2.0
@@ -180,33 +181,38 @@ class LiveScene:
         return self._meanings[key]
 
     def _posed(self, *goals: Meaning, seconds: float | None = None) -> _Posed:
-        def by(given: Sequence[str], *goals: Meaning) -> _Posed:
+        def by(given: Sequence[str], situation: Situation, *goals: Meaning) -> _Posed:
             spoken = [*(self._meaning("", (goal,)) for goal in given), *goals]
-            return posed(self.situation, spoken, _solver(self._memory, seconds))
+            return posed(situation, spoken, _solver(self._memory, seconds))
 
-        with blaming(self.situation), _blaming_given(self.given, by, seconds):
-            return by(self.given, *goals)
+        with blaming(self.situation), _blaming_given(self.given, self.situation, by, seconds):
+            return by(self.given, self.situation, *goals)
 
 
 @contextmanager
 def _blaming_given(
-    given: Sequence[str], pose: Callable[[Sequence[str]], object], seconds: float | None
+    given: Sequence[str],
+    situation: Situation,
+    pose: Callable[[Sequence[str], Situation], object],
+    seconds: float | None,
 ) -> Iterator[None]:
     """Within it, say which evidence is impossible: one piece alone, or two that exclude each other."""
     try:
         yield
     except InconsistentError as error:
 
-        def impossible(some: Sequence[str]) -> bool:
+        def possible(some: Sequence[str], situation: Situation = situation) -> bool:
             try:
-                pose(some)
+                pose(some, situation)
             except InconsistentError:
-                return True
-            return False
+                return False
+            return True
 
         pieces = tuple(dict.fromkeys(given))
-        why = excluding(pieces, impossible, str, TRIED if seconds is None else min(TRIED, seconds))
-        raise type(error)(f"{error}; {why}" if why else str(error)) from None
+        most = TRIED if seconds is None else min(TRIED, seconds)
+        why = excluding(pieces, lambda some: not possible(some), str, most)
+        hint = unsmoothed(situation, partial(possible, given))
+        raise type(error)((f"{error}; {why}" if why else str(error)) + hint) from None
 
 
 def _solver(memory: Remembered, seconds: float | None) -> Callable[[FactorGraph], Beliefs]:
@@ -252,12 +258,12 @@ def scene_answers(
     others = [goal for goal, count in zip(goals, counts, strict=True) if count is None]
     solve = _solver(Remembered(), seconds)
 
-    def pose(some: Sequence[str], *goals: str) -> tuple[Meaning, _Posed]:
+    def pose(some: Sequence[str], situation: Situation, *goals: str) -> tuple[Meaning, _Posed]:
         meant = meaning(situation, goals, some, limits=limits)
         return meant, posed(situation, [meant], solve)
 
-    with _blaming_given(given, pose, seconds):
-        meant, (scene, asked) = pose(given, *others)
+    with _blaming_given(given, situation, pose, seconds):
+        meant, (scene, asked) = pose(given, situation, *others)
     found = iter(answers_of(meant, scene, asked) if others else ())
     return [next(found) if count is None else how_many(count, scene, solve) for count in counts]
 

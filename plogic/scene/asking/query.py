@@ -10,6 +10,7 @@ from plogic.facts.situation import Situation, Stopped, names_of
 from plogic.logic.safety.atoms import Names
 from plogic.logic.served.engine import Answer, Limits, Text, ask, request_of, run, run_until, unknown
 from plogic.scene.readings.unfinished import opened
+from plogic.scene.text.values_asked import told_in_words
 
 Subject = Situation | Text
 """What is asked: an interpretation's situation, or a program of a user's own."""
@@ -64,7 +65,9 @@ def answers_until(
             )
         seconds = max(end - time.monotonic(), 0.0)
     text, names = subject_text(subject)
-    found, exact = run_until([text], [] if goal is None else [goal], given, seconds=seconds, names=names, limits=limits)
+    goals = [] if goal is None else [goal]
+    with told_in_words(text):
+        found, exact = run_until([text], goals, given, seconds=seconds, names=names, limits=limits)
     return opened(stopped_of(subject), found[0]), exact
 
 
@@ -80,7 +83,8 @@ def answers_to_all(
         found = _on_graph(subject, goals, given, limits) if isinstance(subject, Situation) and goals else None
         if found is None:
             text, names = subject_text(subject)
-            found = run([text], goals, given, names=names, limits=limits)
+            with told_in_words(text):
+                found = run([text], goals, given, names=names, limits=limits)
     return [opened(stopped_of(subject), some) for some in found]
 
 

@@ -48,6 +48,7 @@ from plogic.scene.text.rules import (
     vocabulary_rules,
 )
 from plogic.scene.text.support_layer import open_choices, support_facts
+from plogic.scene.text.values_asked import told_in_words
 
 if TYPE_CHECKING:
     from plogic.scene.factors.scene_graph import SceneGraph
@@ -226,7 +227,8 @@ def _ground(
     text: Text, atoms: tuple[tuple[str, str], ...], goals: tuple[str, ...], given: tuple[str, ...], limits: Limits
 ) -> Meaning:
     request = request_of([text], goals, given, Names.of(dict(atoms)))
-    reply = ask({**request, "task": "formula", "outside": [*OUTSIDE, *LOOKING]}, limits)
+    with told_in_words(text):
+        reply = ask({**request, "task": "formula", "outside": [*OUTSIDE, *LOOKING]}, limits)
     if "outside" in reply:
         raise OutsideError(reply["outside"], file="goal")
     return Meaning(

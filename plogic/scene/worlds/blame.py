@@ -6,7 +6,7 @@ from dataclasses import replace
 from math import inf
 from typing import TYPE_CHECKING
 
-from plogic.base.errors import InconsistentError, OutsideError
+from plogic.base.errors import BeliefError, InconsistentError, OutsideError
 from plogic.facts.situation import Situation, names_of
 from plogic.inference.marginals import beliefs
 from plogic.logic.safety.author import FILE, load_problog, observes
@@ -41,7 +41,23 @@ def blaming(situation: Situation) -> Iterator[None]:
 def blamed(situation: Situation) -> str | None:
     """One line with their places; None where there is no world without them either."""
     found = _fewest(situation)
-    return None if found is None else _told(found)
+    return None if found is None else _told(found) + unsmoothed(situation, _possible)
+
+
+SMOOTHED = 0.01
+"""A smoothing with which no choice is certain, to find out whether that is what leaves no world."""
+
+
+def unsmoothed(situation: Situation, possible: "Callable[[Situation], bool]") -> str:
+    """What to say where there is no world for the score reading's certain choices alone; '' where that is not why."""
+    if situation.reading != "score" or situation.smoothing:
+        return ""
+    try:
+        if not possible(replace(situation, smoothing=SMOOTHED)):
+            return ""
+    except BeliefError:  # more choices are open than can be decided
+        return ""
+    return f"; choices of the score reading can be certain: plogic perceive --smoothing {SMOOTHED} leaves them open"
 
 
 GOAL = "goal_of_the_question"

@@ -31,6 +31,8 @@ ASKED = {
         "--given",
         "\\+ present(h1)",
     ): "no world satisfies the evidence",
+    ("query", "interpretation.json", "near(X, Y, D)"): "goal: near(X, Y, D) asks for a value of D, and finds none",
+    ("worlds", "interpretation.json", "--given", "near(X, Y, D)"): "goal: near(X, Y, D) asks for a value of D",
     (
         "query",
         "interpretation.json",

@@ -45,6 +45,18 @@ def test_perceived_with_rules_asked_and_explained(folder, reading):
     assert "violates constraint(crowded(h1, h2)), which may fail, with probability" in text
 
 
+def test_the_program_with_rules_beside_is_what_they_are_asked_by(folder, demo, tmp_path):
+    rules = tmp_path / "own.pl"
+    rules.write_text("0.3::heavy(X) :- object(X, t1).\nconstraint(no(X)) :- heavy(X), object(X, t1).\n")
+    theirs = stock(f"{good('program', folder / 'scene.json', '--rules', rules)}\nquery(heavy(_)). query(wet).\n")
+    for goal in ("present(H)", "wet", "heavy(H)"):
+        for a in document("query", folder / "scene.json", goal, "--rules", rules, "--json")["answers"]:
+            assert a["probability"] == pytest.approx(theirs[a["goal"].replace(", ", ",")], abs=1e-9)
+    rules.write_text("wet :- fail.\n")
+    refused = plogic("program", folder / "scene.json", "--rules", rules).stderr
+    assert "own.pl:1:1: wet/0 is defined by the program and cannot be added to" in refused
+
+
 def test_what_is_perceived_lists_the_worlds_that_are_asked_for(folder, demo):
     interpretation = json.loads((folder / "scene.json").read_text())
     asked = document("worlds", folder / "scene.json", "--json")["worlds"]
