@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from plogic.logic.safety.notes import notes
+from plogic.logic.safety.notes import MOST, notes
 
 WORLD = "0.5::sick(ann). 0.3::sick(bob). person(ann). person(bob). on(ann, bob).\n"
 
@@ -50,3 +50,13 @@ def test_what_is_surely_not_meant_is_told_with_its_place(rule, goals, said):
 )
 def test_what_may_be_meant_is_not_told(rule, goals):
     assert notes(WORLD + rule, "u.pl", goals, added=True) == []
+
+
+def test_of_many_notes_the_first_are_told_and_the_rest_counted():
+    many = "".join(f"p{i}(X) :- \\+ q(X), r(X). query(p{i}(_)).\n" for i in range(30))
+    lines = notes(many, "u.pl")
+    assert (len(lines), lines[-1]) == (MOST + 1, "u.pl: and 10 more of such notes")
+
+
+def test_what_is_nested_too_deeply_is_told_elsewhere():
+    assert notes("a :- " + "\\+ (" * 5000 + "b(X), c(X)" + ")" * 5000 + ", d(X).\nquery(a).", "u.pl") == []

@@ -16,6 +16,9 @@ _NEGATION_FIRST = re.compile(r"(?:\\\+|\\=|\bnot\b|\bforall\b)[^.]*?,\s*+[a-z(]"
 _OBSERVED = re.compile(r"\bevidence\([^.]*?,")
 _NAME = re.compile(r"\b[a-z]\w*+(?=\()")
 
+MOST = 20
+"""Notes on one text that are told one by one."""
+
 
 def notes(text: str, file: str, goals: Sequence[str] = (), *, added: bool = False) -> list[str]:
     """A line on each such place of a text; of one that takes long to read nothing is said.
@@ -26,6 +29,16 @@ def notes(text: str, file: str, goals: Sequence[str] = (), *, added: bool = Fals
     if not wanted:
         return []
     load_problog()
+    try:
+        found = _found(wanted, text, file, goals)
+    except RecursionError:  # nested so deeply that no run will follow it: told there
+        return []
+    more = [f"{file}: and {len(found) - MOST} more of such notes"] if len(found) > MOST else []
+    return found[:MOST] + more
+
+
+def _found(wanted: frozenset[str], text: str, file: str, goals: Sequence[str]) -> list[str]:
+    """The notes of the kinds that are ``wanted``."""
     from plogic.logic.safety.added import idle
     from plogic.logic.safety.open_negations import asked_too_early
     from plogic.logic.safety.recursion import surely_endless
