@@ -78,7 +78,7 @@ def look_of(kb: KnowledgeBase) -> Look:
 
 def _ids(kb: KnowledgeBase, path: str | None, dataset: Dataset, say: Callable[[str], None]) -> dict[str, int]:
     """BOP's numbers of the KB's types; what leads nowhere is said, and that nothing leads anywhere is an error."""
-    names, stated = [kind.name for kind in kb.types], read_ids(path)
+    names, stated = [kind.name for kind in kb.types], read_ids(path or dataset.ids)
     by_name = {} if dataset.models is None else model_names(dataset.models)
     ids = {name: by_name[name] for name in names if name in by_name} | ids_of(names, stated)
     lines = unknown(names, ids, stated, None if dataset.models is None else model_ids(dataset.models))

@@ -168,7 +168,7 @@ def watch(source: str, kb_folder: str, **options: Any) -> None:  # noqa: ANN401 
 @click.option(
     "--ids",
     type=PLACE,
-    help='BOP numbers of the types as JSON, {"003_cracker_box": 2}; obj_000002 and the dataset\'s own names need none.',
+    help='BOP numbers of the types as JSON, {"003_cracker_box": 2}; obj_000002, the dataset\'s own names and its ids.json need none.',
 )
 @click.option(
     "--times",

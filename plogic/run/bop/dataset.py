@@ -149,7 +149,7 @@ class Scene:
 class Dataset:
     """``targets``: per (scene, image) the wanted instances by object; None: every image, every object.
 
-    ``models``: their folder.
+    ``models``: their folder. ``ids``: the numbers of the types, a file that ``plogic simulate --bop`` writes.
 
     ``wrong``: a line for each folder that would be a scene and is left out.
     """
@@ -159,6 +159,7 @@ class Dataset:
     targets: Mapping[tuple[int, int], Mapping[int, int]] | None = None
     models: Path | None = None
     wrong: tuple[str, ...] = ()
+    ids: Path | None = None
 
     def scene(self, scene_id: int) -> Scene:
         """The scene of a number; raises KeyError."""
@@ -195,6 +196,7 @@ def _truth(entry: object, visible: float | None, place: Place) -> Truth:
 
 
 TARGETS = "test_targets_bop19.json"
+IDS = "ids.json"
 MODELS = ("models_eval", "models")
 
 
@@ -227,11 +229,11 @@ def _dataset(folder: Path, scenes: Sequence[Path], split: Path, roots: Sequence[
         first = read.setdefault(scene.scene_id, scene)
         if first is not scene:
             wrong.append(f"{path}: is scene {scene.scene_id}, as {first.folder.name}/ beside it is, which is taken")
-    listed = next((root / TARGETS for root in roots if is_there(root / TARGETS)), None)
+    listed, ids = (next((root / name for root in roots if is_there(root / name)), None) for name in (TARGETS, IDS))
     targets = read_targets(listed) if listed is not None and split.name.startswith("test") else None
     if targets is not None and len(read) == 1 and folder == scenes[0]:
         targets = {key: wanted for key, wanted in targets.items() if key[0] in read}
-    return Dataset(folder, tuple(read.values()), targets, _models(roots), tuple(wrong))
+    return Dataset(folder, tuple(read.values()), targets, _models(roots), tuple(wrong), ids)
 
 
 def _is_scene(path: Path) -> bool:

@@ -42,7 +42,7 @@ def ids_of(types: Sequence[str], stated: Mapping[str, int]) -> dict[str, int]:
     return found
 
 
-def read_ids(path: str | None) -> dict[str, int]:
+def read_ids(path: str | Path | None) -> dict[str, int]:
     """The numbers that a file states; none without a file. Raises InputError."""
     if path is None:
         return {}

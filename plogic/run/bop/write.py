@@ -4,7 +4,7 @@ One scene folder ``test/000001``, an image of each simulated scene, and the mode
 
 ::
 
-    camera.json  ids.json (the objects' numbers by type, for `plogic bop --ids`)  test_targets_bop19.json
+    camera.json  ids.json (the objects' numbers by type, which `plogic bop` reads)  test_targets_bop19.json
     models/      models_info.json  obj_000001.ply  obj_000001.png
     test/000001/ rgb/  depth/  mask/  mask_visib/  scene_camera.json  scene_gt.json  scene_gt_info.json
 
@@ -32,6 +32,7 @@ from geometry.frames import inverse, rotate, transform_points
 from geometry.visibility.rays import RayMesh
 from kb.surfaces.symmetries import CONTINUOUS, symmetry_entries
 from plogic.base.errors import InputError
+from plogic.run.bop.dataset import IDS
 from plogic.run.bop.json_files import MM
 from plogic.run.bop.recalls import VISIBLE
 from sensing.files.whole_files import new_folder
@@ -222,7 +223,7 @@ def write_dataset(scenes: Iterable[Scene], kinds: Sequence[Kind], folder: Path, 
             _put_json(place / SCENE / f"{name}.json", document)
         _put_json(place / "test_targets_bop19.json", _targets(truths, infos))
         _put_json(place / "camera.json", _sensor(camera))
-        _put_json(place / "ids.json", numbers)
+        _put_json(place / IDS, numbers)
         _put_models(place / "models", kinds)
 
 
