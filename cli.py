@@ -32,6 +32,7 @@ from plogic.face.shown.options import (
     KB,
     MARKS,
     PLACE,
+    POSE_TABLE,
     READING,
     READINGS,
     RECONSIDER,
@@ -145,6 +146,7 @@ def perceive(inputs: tuple[str, ...], kb_folder: str, **options: Any) -> None:
 @READING
 @DEADLINE
 @TRUST
+@POSE_TABLE
 @DIGITS
 @AS_JSON
 def worlds(source: str, number: int, given: tuple[str, ...], as_json: bool, **options: Any) -> None:

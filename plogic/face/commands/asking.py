@@ -47,14 +47,26 @@ MORE = "The deadline was reached: more worlds could be listed with more time."
 def worlds_command(
     source: str, number: int, given: Sequence[str], options: Asking, *, as_json: bool
 ) -> tuple[str, int]:
-    """The ranked worlds, taken anew, so that any number of them can be had; exit 3 where the deadline was reached."""
+    """The ranked worlds, taken anew, so that any number of them can be had; exit 3 where the deadline was reached.
+
+    Raises InputError where ``poses`` are asked of a program, or as JSON.
+    """
     asked = _opened(source, options, given)
+    if options.poses and (as_json or isinstance(asked, Program)):
+        has = "is CSV; as JSON they are in the interpretation" if as_json else "a program has none; give INTERPRETATION"
+        raise InputError(f"--poses: {has}")
     found, ranking = ranked(asked.beside(options.rules), number, given, asked.limits, options.deadline)
     if isinstance(asked, Program):
         return _of_text(found, ranking, None, as_json=as_json)
     from plogic.face.python.interpretation import Interpretation
 
     assert isinstance(asked, Interpretation)  # noqa: S101 - what is no program is one
+    if options.poses:
+        from plogic.face.commands.pose_table import pose_table
+
+        if not found.complete:
+            say(MORE)
+        return pose_table(asked.document, found.worlds), 0 if found.complete else LATE
     if isinstance(ranking, ProgramRanking):
         return _of_text(found, ranking, asked.reading, as_json=as_json)
     return _of_graph(asked, found, ranking, number, as_json=as_json)

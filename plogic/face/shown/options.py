@@ -57,6 +57,13 @@ DIGITS = click.option(
     callback=_shown_to,
     help="Places of the probabilities that are shown (default: 3); --json has all.",
 )
+POSE_TABLE = click.option(
+    "--poses",
+    "poses",
+    is_flag=True,
+    help="CSV instead: of each object in each world T_camera_object, and T_world_object where the camera has a pose "
+    "(4x4, row by row, metres).",
+)
 AS_JSON = click.option("--json", "as_json", is_flag=True, help="One versioned JSON document on stdout.")
 
 
@@ -183,7 +190,8 @@ class Asking:
     """How an interpretation or a program is asked.
 
     ``reading``: the other one of the same Δh, None for its own; ``deadline`` in seconds; ``rules``: a file of a user's
-    own; ``trust`` lifts the allow-list of a program; ``withhold``: hypotheses whose poses nobody knows.
+    own; ``trust`` lifts the allow-list of a program; ``withhold``: hypotheses whose poses nobody knows; ``poses``: of
+    worlds, those of their objects are asked for.
     """
 
     reading: Reading | None = None
@@ -191,6 +199,7 @@ class Asking:
     trust: bool = False
     rules: str | None = None
     withhold: tuple[str, ...] = ()
+    poses: bool = False
 
 
 @dataclass(frozen=True)
