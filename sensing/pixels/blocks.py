@@ -17,7 +17,7 @@ from geometry.arrays import Floats, Ints, Mask
 from sensing.pixels.crop import Crop
 from sensing.pixels.drawn import Drawn
 from sensing.pixels.loops import squared
-from sensing.pixels.photo import lab_of
+from sensing.pixels.photo import greyed, lab_of
 
 FULL = 0.35
 """Share of a square that must show the object."""
@@ -36,10 +36,11 @@ SHARPNESS = 0.7
 """Pixels, standard deviation, by which the drawn is smoothed, as a photo is."""
 
 
-def smoothed(drawn: Drawn) -> NDArray[np.float32]:
-    """(h, w, 3) Lab of the drawn colours as a photo shows them."""
+def smoothed(crop: Crop, drawn: Drawn) -> NDArray[np.float32]:
+    """(h, w, 3) Lab of the drawn colours as a photo shows them; their brightness alone where it has no colours."""
     share = cv2.GaussianBlur(drawn.mask.astype(np.float32), (0, 0), SHARPNESS)
-    return lab_of(cv2.GaussianBlur(drawn.colour, (0, 0), SHARPNESS) / np.maximum(share, 0.2)[..., None])
+    colour = greyed(drawn.colour) if crop.grey else drawn.colour
+    return lab_of(cv2.GaussianBlur(colour, (0, 0), SHARPNESS) / np.maximum(share, 0.2)[..., None])
 
 
 @dataclass(frozen=True, eq=False)
@@ -47,13 +48,14 @@ class Blocks:
     """K squares: ``which`` (h, w) of them each pixel is in, -1 for none; ``count`` (K,) of each's pixels.
 
     ``sums`` (K, 15) over them: of Lab in photo and drawn, their squares and their product, three of each; ``noise``
-    (3,) variance of the photo's noise.
+    (3,) variance of the photo's noise; ``channels``: how many of Lab's there are, 1 of a photo without colours.
     """
 
     which: Ints
     count: Ints
     sums: Floats
     noise: Floats
+    channels: int = 3
 
     @cached_property
     def moments(self) -> tuple[Floats, Floats, Floats]:
@@ -96,7 +98,7 @@ class Blocks:
             return 0.0
         photo, drawn, together = self.moments
         noise = self.noise + FLOOR + (MODEL * self.gain) ** 2 * drawn
-        each = (np.maximum(together, 0.0) / np.sqrt((photo + noise) * (drawn + noise))).mean(axis=1)
+        each = (np.maximum(together, 0.0) / np.sqrt((photo + noise) * (drawn + noise)))[:, : self.channels].mean(axis=1)
         weight = self.count * self._printed
         return float((weight * each).sum() / max(float(weight.sum()), 0.05 * float(self.count.sum()), 1.0))
 
@@ -112,7 +114,7 @@ class Blocks:
         """(K,) share of the drawn's variance in that of the drawn and noise."""
         drawn = self.moments[1]
         noise = self.noise + FLOOR + (MODEL * self.gain) ** 2 * drawn
-        return np.asarray((drawn / (drawn + noise)).mean(axis=1))
+        return np.asarray((drawn / (drawn + noise))[:, : self.channels].mean(axis=1))
 
 
 def blocks_of(crop: Crop, shown: NDArray[np.float32], visible: Mask, side: int) -> Blocks:
@@ -123,4 +125,4 @@ def blocks_of(crop: Crop, shown: NDArray[np.float32], visible: Mask, side: int) 
         full = count >= max(1, min(int(count.max(initial=0)), 12))
     number = np.full(len(count) + 1, -1)
     number[:-1][full] = np.arange(int(full.sum()))
-    return Blocks(number[which], count[full], sums[full], SENSOR * crop.noise**2)
+    return Blocks(number[which], count[full], sums[full], SENSOR * crop.noise**2, 1 if crop.grey else 3)

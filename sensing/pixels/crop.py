@@ -25,6 +25,7 @@ class Crop:
     """``lab`` (h, w, 3) float32; ``K`` (3, 3) of this part, without lens; ``size``: the object's larger side, pixels.
 
     ``before`` (h, w) m: how far away the nearest is of what stands before; inf for nothing. ``noise``: of the photo.
+    ``grey``: it has no colours.
     """
 
     lab: NDArray[np.float32]
@@ -33,6 +34,7 @@ class Crop:
     before: Floats
     noise: float
     palette: NDArray[np.float32]
+    grey: bool = False
 
     @property
     def shape(self) -> tuple[int, int]:
@@ -89,7 +91,7 @@ def crop_of(
     far = np.full(part.shape[:2], np.inf)
     for other, there in before:
         far = np.minimum(far, depth_of(other, there, here, (part.shape[1], part.shape[0])))
-    return Crop(lab_of(part), here, whole * share, far, photo.noise, photo.palette)
+    return Crop(lab_of(part), here, whole * share, far, photo.noise, photo.palette, photo.grey)
 
 
 def _ideal(photo: Photo, low: NDArray[np.intp], high: NDArray[np.intp]) -> NDArray[np.float32]:

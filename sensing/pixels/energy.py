@@ -184,7 +184,7 @@ def by_chance(crop: Crop, lines: Lines, reach: int) -> float:
 def squares_of(crop: Crop, drawn: Drawn, slack: float, side: int, rim: int = 3) -> Blocks:
     """The squares of its visible surface, ``rim`` pixels wide kernels away from its outline."""
     inner = cv2.erode(drawn.mask.astype(np.uint8), np.ones((rim, rim), np.uint8), borderValue=0) > 0
-    return blocks_of(crop, smoothed(drawn), inner & clear(crop, drawn, slack), side)
+    return blocks_of(crop, smoothed(crop, drawn), inner & clear(crop, drawn, slack), side)
 
 
 def visible_share(lines: Lines) -> float:

@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 
 from geometry.arrays import Bytes, Ints
 from geometry.camera import Camera
+from sensing.detectors.keypoints import is_grey
 
 COLOURS = 32
 """Of a photo's palette."""
@@ -33,12 +34,22 @@ def lab_of(bgr: NDArray[Any]) -> NDArray[np.float32]:
     )
 
 
+def greyed(bgr: NDArray[np.float32]) -> NDArray[np.float32]:
+    """(h, w, 3) of colours (h, w, 3), blue first, what a camera without colours shows."""
+    return np.repeat(np.asarray(cv2.cvtColor(bgr, cv2.COLOR_BGR2GRAY), np.float32)[..., None], 3, axis=2)
+
+
 @dataclass(frozen=True, eq=False)
 class Photo:
     """``image`` (H, W, 3) uint8, blue first, and its camera."""
 
     image: Bytes
     camera: Camera
+
+    @cached_property
+    def grey(self) -> bool:
+        """Whether it has no colours to tell, as one of a camera without any."""
+        return is_grey(self.image)
 
     @cached_property
     def noise(self) -> float:

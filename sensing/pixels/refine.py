@@ -279,7 +279,7 @@ ODD = 1.5
 
 def _of_print(crop: Crop, drawn: Drawn, blocks: Blocks, middle: Floats, weight: float) -> tuple[Floats, Floats]:
     """The print's: the drawn moves over the photo, with a gain and an offset of each square."""
-    shown = smoothed(drawn)
+    shown = smoothed(crop, drawn)
     slopes = np.stack([cv2.Scharr(shown, cv2.CV_32F, *way) / 32.0 for way in ((1, 0), (0, 1))])
     scale = crop.K, np.ascontiguousarray(blocks.gains)
     off = print_off(blocks.which, crop.lab, shown, slopes, drawn.depth, scale, middle)

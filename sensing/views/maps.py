@@ -19,7 +19,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from geometry.arrays import Floats, Ints
-from sensing.pixels.photo import lab_of, steepest
+from sensing.detectors.keypoints import is_grey
+from sensing.pixels.photo import greyed, lab_of, steepest
 from sensing.views.loops import BINS, MOST, STEPS, counted, responses, stacked, told
 from sensing.views.views import Views
 
@@ -79,6 +80,11 @@ class PhotoMaps:
         return self._cells[scale]
 
     @cached_property
+    def grey(self) -> bool:
+        """Whether the photo has no colours to tell."""
+        return is_grey(self.image)
+
+    @cached_property
     def usual(self) -> Floats:
         """(cells of Lab,) how the photo's pixels are spread."""
         return spread_of(cell_of(lab_of(self.image[::2, ::2].astype(np.float32))), (1.5, 1.2, 1.2))
@@ -90,7 +96,7 @@ class TypeMaps:
     def __init__(self, photo: PhotoMaps, views: Views) -> None:
         """Tell what each colour is worth."""
         self._photo = photo
-        own = np.stack([lit(colour) for colour in views.palette])
+        own = np.stack([lit(colour, grey=photo.grey) for colour in views.palette])
         self._tables = np.log((1.0 - OTHER) * own / photo.usual + OTHER).astype(np.float32)
         mixed = np.log((1.0 - OTHER) * (views.share @ own) / photo.usual + OTHER)
         self._near = (1.0 / (1.0 + np.exp(-1.5 * mixed))).astype(np.float32)
@@ -170,11 +176,13 @@ DARKER, SHADED, TINTED, NOISE = 0.72, 0.3, 0.1, 0.03
 and that of each channel; and what is added to each channel, of 1."""
 
 
-def lit(lab: NDArray[np.float32]) -> Floats:
-    """(cells of Lab,) what a colour becomes in some light."""
+def lit(lab: NDArray[np.float32], *, grey: bool = False) -> Floats:
+    """(cells of Lab,) what a colour becomes in some light; ``grey``: before a camera without colours."""
     rng = np.random.default_rng(0)
     bgr = np.asarray(cv2.cvtColor(np.asarray(lab, np.float32)[None, None], cv2.COLOR_LAB2BGR))[0, 0]
     light = np.exp(rng.normal(np.log(DARKER), SHADED, (4000, 1)) + rng.normal(0.0, TINTED, (4000, 3)))
     shine = np.abs(rng.normal(0.0, NOISE, (4000, 1)))
-    seen = np.clip(bgr * light + rng.normal(0.0, NOISE, (4000, 3)) + shine, 0.0, 1.0)
-    return spread_of(cell_of(lab_of((seen * 255.0).astype(np.float32)[None])), (1.2, 1.2, 1.2))
+    seen = np.asarray(np.clip(bgr * light + rng.normal(0.0, NOISE, (4000, 3)) + shine, 0.0, 1.0) * 255.0, np.float32)[
+        None
+    ]
+    return spread_of(cell_of(lab_of(greyed(seen) if grey else seen)), (1.2, 1.2, 1.2))

@@ -120,6 +120,22 @@ def test_another_print_on_the_same_shape_is_not_it(photo):
     assert mine.odds > 8.0
 
 
+def test_a_camera_without_colours_shows_the_same_object(paint, photo):
+    """Brightness is compared where there is nothing else: the pose comes back, and other print is told apart."""
+    from painted_cube import paint as print_of
+
+    grey = Photo(cv2.cvtColor(cv2.cvtColor(photo.image, cv2.COLOR_BGR2GRAY), cv2.COLOR_GRAY2BGR), CAMERA)
+    assert (grey.grey, photo.grey) == (True, False)
+    pose, fit, *_ = refined(grey, paint, disturbed(paint, (0, -10, 4), (0, 0, 0.03)))
+    assert off(paint, pose) < 0.02
+    assert fit.shown > 0.5  # what shows print in colours is not plain without
+    assert fit.odds > 8.0
+    crop = crop_of(grey, paint, TRUE, FINE)
+    its = fit_of(crop, Paint(replace(cube(), texture=print_of(seed=77))), TRUE)
+    assert its.correlation < 0.5 * fit.correlation
+    assert its.odds < fit.odds - 8.0
+
+
 def test_a_plain_cube_is_told_by_its_outline_and_creases(photo):
     """In clutter, where outlines beside it have edges by chance, the same is worth less."""
     grey = Paint(replace(cube(), texture=np.full_like(cube().texture, 150)))

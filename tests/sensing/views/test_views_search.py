@@ -10,9 +10,10 @@ from geometry.camera import centred_camera
 from geometry.frames import compose, inverse, look_at, pose_error
 from geometry.frames import from_rotation_translation as posed_at
 from sensing.pixels.drawn import Paint
+from sensing.pixels.photo import lab_of
 from sensing.simulated.body import TexturedMesh
 from sensing.views.kept import kept_views
-from sensing.views.maps import PhotoMaps
+from sensing.views.maps import LAB, PhotoMaps, lit
 from sensing.views.search import Body, searched
 from sensing.views.views import INSIDE, OUTLINE, OUTSIDE, views_of
 
@@ -92,3 +93,16 @@ def test_a_plate_seen_from_its_edge_has_views_all_the_same():
     seen = views_of(plate, 101)  # the middle one looks along it
     number = (seen.kind == OUTLINE).sum(axis=1)
     assert number[50] < 10 < np.median(number)
+
+
+def test_a_photo_without_colours_is_asked_for_the_brightness_of_the_paint():
+    """Orange before a camera without colours is grey, as bright as it was, and not what an orange photo shows."""
+    lab = lab_of(ORANGE[:1, :1].astype(np.float32))
+    grey, colour = (lit(lab[0, 0], grey=without).reshape(LAB[0]) for without in (True, False))
+    middle = int(LAB[2] / LAB[1])
+    neutral = np.s_[:, middle - 2 : middle + 3, middle - 2 : middle + 3]
+    assert grey[neutral].sum() > 0.9
+    assert colour[neutral].sum() < 0.1
+    bright = np.arange(LAB[0][0])
+    assert abs((bright * grey.sum(axis=(1, 2))).sum() - (bright * colour.sum(axis=(1, 2))).sum()) < 2.0
+    assert PhotoMaps(np.full((8, 8, 3), 7, np.uint8)).grey
