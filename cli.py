@@ -119,7 +119,7 @@ def demo(out: Path | None, seed: int, reading: Any, look_again: bool, paper: boo
 @GENERATOR
 @BEST_BY
 @EVERY
-@click.option("-o", "--out", default="-", help="File to write; `-` is stdout (default).")
+@click.option("-o", "--out", default="", help="File to write; `-` is stdout (default, on a terminal its worlds alone).")
 @click.option("--report", type=click.Path(path_type=Path), help="Also write the page.")
 @click.option(
     "--picture", type=click.Path(path_type=Path), help="Also write the picture with the hypotheses over it (PNG)."

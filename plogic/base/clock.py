@@ -59,17 +59,23 @@ class Deadline:
 
 @dataclass
 class Stopwatch:
-    """Seconds by stage, in the order in which the stages first ran; a stage that runs again adds up."""
+    """Seconds by stage, in the order in which the stages first ran; a stage that runs again adds up.
+
+    ``now``: the stage that runs, '' between two.
+    """
 
     seconds: dict[str, float] = field(default_factory=dict)
+    now: str = ""
 
     @contextmanager
     def stage(self, name: str) -> Iterator[None]:
         """Add the time of the block to a stage."""
-        start = perf_counter()
+        start, before = perf_counter(), self.now
+        self.now = name
         try:
             yield
         finally:
+            self.now = before
             self.seconds[name] = self.seconds.get(name, 0.0) + perf_counter() - start
 
     @property

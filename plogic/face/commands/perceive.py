@@ -7,6 +7,7 @@ is wrong with the input.
 """
 
 import json
+import sys
 from collections.abc import Callable, Sequence
 from dataclasses import replace
 from itertools import chain
@@ -27,6 +28,7 @@ from plogic.base.errors import InputError
 from plogic.cycle.delta import Options
 from plogic.face.shown.options import Marks, Perceiving
 from plogic.face.shown.printed import written
+from plogic.face.shown.progress import beating
 from plogic.facts.caveats import caveats
 from plogic.facts.document import Interpretation
 from plogic.facts.interpretation import text_of
@@ -52,6 +54,9 @@ if TYPE_CHECKING:
 Say = Callable[[str], None]
 
 
+ON_STDOUT = "-", ""
+"""Where no file is named: the document; or, on a terminal, for which it is no text, its worlds alone."""
+HOW = "the whole interpretation (JSON): -o FILE, or a pipe behind this command, or -o -"
 UNFINISHED = 3
 """Exit status: the deadline was reached, with the best answer so far printed and marked."""
 
@@ -62,15 +67,19 @@ def perceive_command(inputs: Sequence[str], options: Perceiving, *, say: Say, wr
     Raises:
         InputError, CameraError and the like: what is wrong with the input.
     """
-    if options.stereo is not None:
-        return _of_pair(inputs, options, options.stereo, say, write)
-    if len(inputs) == 1 and options.poses is None and not is_video(inputs[0]):
-        return _of_one(inputs[0], options, say, write)
-    return _of_sequence(inputs, options, say, write)
-
-
-def _of_one(source: str, options: Perceiving, say: Say, write: Say) -> int:
+    if not options.out and not sys.stdout.isatty():
+        options = replace(options, out="-")
     clock = Stopwatch()
+    with beating(lambda: clock.now or "perceiving") as above:
+        say, write = above(say), above(write)
+        if options.stereo is not None:
+            return _of_pair(inputs, options, options.stereo, clock, say, write)
+        if len(inputs) == 1 and options.poses is None and not is_video(inputs[0]):
+            return _of_one(inputs[0], options, clock, say, write)
+        return _of_sequence(inputs, options, say, write)
+
+
+def _of_one(source: str, options: Perceiving, clock: Stopwatch, say: Say, write: Say) -> int:
     _check_places(options, [source])
     with clock.stage("read"):
         kb = kb_of(options.kb)
@@ -96,7 +105,7 @@ def _of_one(source: str, options: Perceiving, say: Say, write: Say) -> int:
     return status
 
 
-def _of_pair(inputs: Sequence[str], options: Perceiving, stereo: str, say: Say, write: Say) -> int:
+def _of_pair(inputs: Sequence[str], options: Perceiving, stereo: str, clock: Stopwatch, say: Say, write: Say) -> int:
     from plogic.sequence.views.standing import sharpened
     from sensing.files.stereo import fused, read_stereo
 
@@ -107,7 +116,6 @@ def _of_pair(inputs: Sequence[str], options: Perceiving, stereo: str, say: Say, 
     if any(map(is_video, inputs)):
         raise InputError("--stereo: takes pictures or Γ, and no video")
     _check_places(options, inputs)
-    clock = Stopwatch()
     kb = kb_of(options.kb)
     calibration = read_stereo(stereo)
     cameras = calibration.left, calibration.right
@@ -161,7 +169,7 @@ def _check_places(options: Perceiving, inputs: Sequence[str]) -> None:
     named = [Path(path) for path in (options.report, options.picture, options.timings) if path]
     if Path("-") in named:
         raise InputError("-: standard output is the interpretation's; name a file for the page, picture or timings")
-    named += [Path(options.out)] * (options.out != "-")
+    named += [Path(options.out)] * (options.out not in ON_STDOUT)
     for path in named:
         if named.count(path) > 1:
             raise InputError(f"{path}: is named for two outputs")
@@ -185,12 +193,19 @@ def _write_all(
     if options.timings:
         timings = {"format": "timings/1", "seconds": clock.seconds, "total": clock.total}
         files[Path(options.timings)] = json.dumps(timings, indent=1).encode()
-    if options.out != "-":
+    if options.out not in ON_STDOUT:
         files[Path(options.out)] = text.encode()
     write_files(files)
-    if options.out == "-":
-        write(text)
+    if options.out in ON_STDOUT:
+        write(text if options.out else f"{_worlds(document)}\n{HOW}")
     return UNFINISHED if document.get("unfinished") else 0
+
+
+def _worlds(document: Interpretation) -> str:
+    """The ranked worlds for people."""
+    from plogic.face.shown.tables import text_of_table, worlds
+
+    return text_of_table(worlds(document)).rstrip()
 
 
 def picture_of(document: Interpretation, image: NDArray[Any] | None, marks: Marks = "few") -> bytes:
@@ -277,7 +292,7 @@ def _of_sequence(inputs: Sequence[str], options: Perceiving, say: Say, write: Sa
     last = looks[-1][1].view.gamma
     told = [ahead(panorama, View("ahead", last, placed.world_from_camera)) for placed in foreseen]
     text = text_of(panorama_document(panorama, looks, told))
-    written(text, options.out, say=lambda _: None, write=write)
+    written(text, options.out or "-", say=lambda _: None, write=lambda text: write(text if options.out else HOW))
     if failed is not None:
         raise failed
     return UNFINISHED if any(look.interpretation.get("unfinished") for _, look in looks) else 0

@@ -3,11 +3,14 @@
 * ``Progress()``: ``progress.at("cup: 20 of 120 views")``, and ``progress.end()`` where it is done
 * ``with Work(500.0, say) as work``: one bar over all of it, told by the clock; ``work.at("cup: 20 of 120 views")`` and
   ``work.step(20.0)``
+* ``with beating(lambda: "search")``: what nothing is counted of
 """
 
+import signal
 import sys
-from collections.abc import Callable
-from threading import Event, RLock, Thread
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager, suppress
+from threading import Event, RLock, Thread, current_thread, main_thread
 from time import monotonic
 from typing import Self
 
@@ -15,6 +18,9 @@ from plogic.face.shown.printed import over, say
 
 SELDOM = 10.0
 """Seconds between two lines where there is no terminal; what is done sooner tells nothing."""
+
+
+Say = Callable[[str], None]
 
 
 class Progress:
@@ -108,6 +114,42 @@ class Work:
             with self._lock:
                 text = self.text(monotonic())
                 self._progress.at(f"{bar(self._done, self._total)} {text}" if self._progress.terminal else text)
+
+
+@contextmanager
+def beating(what: Callable[[], str]) -> Iterator[Callable[[Say], Say]]:
+    """While the block runs, tell ``what`` it is at, and for how long it has run: ``search; 20 s so far``.
+
+    Gives what makes of a function that writes lines one that writes them above that.
+
+    By the process's own alarm, not by a thread: the block may make copies of its process. Not beside another alarm, nor
+    in a thread of somebody's program.
+    """
+    if current_thread() is not main_thread() or signal.getsignal(signal.SIGALRM) is not signal.SIG_DFL:
+        yield lambda say: say
+        return
+    progress, start = Progress(), monotonic()
+
+    def tell(*_: object) -> None:
+        with suppress(RuntimeError):  # the line before is being written
+            progress.at(f"{what()}; {duration(monotonic() - start)} so far")
+
+    signal.signal(signal.SIGALRM, tell)
+    signal.setitimer(signal.ITIMER_REAL, SELDOM, TICK)
+
+    def above(say: Say) -> Say:
+        def told(line: str) -> None:
+            progress.end()
+            say(line)
+
+        return told
+
+    try:
+        yield above
+    finally:
+        signal.setitimer(signal.ITIMER_REAL, 0.0)
+        signal.signal(signal.SIGALRM, signal.SIG_DFL)
+        progress.end()
 
 
 WIDTH = 30

@@ -347,6 +347,16 @@ def _read(terminal):
         return b""  # the other side is closed
 
 
+def test_a_terminal_is_shown_worlds_and_a_pipe_the_interpretation(demo):
+    asked = ("perceive", demo / "gamma.json", "--kb", "towers")
+    shown = on_a_terminal(*asked, NO_COLOR="1")
+    assert "possible worlds" in shown
+    assert "the whole interpretation (JSON): -o FILE" in shown
+    assert len(shown) < 5000
+    assert on_a_terminal(*asked, "-o", "-").startswith("{")
+    assert json.loads(good(*asked))["format"] == "interpretation/1"
+
+
 def test_styles_only_on_a_terminal_and_not_with_no_color(interpretation):
     assert "\x1b[" in on_a_terminal("worlds", interpretation)
     plain = on_a_terminal("worlds", interpretation, NO_COLOR="1")

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import io
+import signal
 import sys
 import time
 
@@ -81,3 +82,22 @@ def test_the_time_left_is_what_the_speed_makes_of_the_rest(monkeypatch):
     work.step(90.0)
     work.at("words of all types")
     assert work.text(1000.0) == "words of all types; the last phase, whose time is not known"
+
+
+@pytest.mark.usefixtures("quick")
+def test_what_nothing_is_counted_of_is_told_by_the_alarm(monkeypatch):
+    """A search is told without a terminal too; afterwards the alarm is off, and nobody's own is taken."""
+    monkeypatch.setattr(sys, "stderr", stream := io.StringIO())
+    with progress.beating(lambda: "search"):
+        waited(stream, "search; 0 s so far\nsearch; 0 s so far\n")
+    told = stream.getvalue()
+    time.sleep(0.1)
+    assert stream.getvalue() == told
+    assert signal.getsignal(signal.SIGALRM) is signal.SIG_DFL
+    signal.signal(signal.SIGALRM, signal.SIG_IGN)
+    try:
+        with progress.beating(lambda: "search"):
+            time.sleep(0.1)
+        assert (stream.getvalue(), signal.getsignal(signal.SIGALRM)) == (told, signal.SIG_IGN)
+    finally:
+        signal.signal(signal.SIGALRM, signal.SIG_DFL)
