@@ -5,9 +5,10 @@
 """
 
 from collections.abc import Iterator, Sequence
+from shlex import quote
 
 from kb.clouds.cloud import KnowledgeBase, ObjectType
-from kb.shown.cautions import one_feature_type
+from kb.shown.cautions import one_feature_type, remedy
 from kb.shown.seen_from import FIXING_A_POSE
 
 NAMED = 3
@@ -24,15 +25,14 @@ def findable(kb: KnowledgeBase) -> tuple[ObjectType, ...]:
 def beforehand(kb: KnowledgeBase, folder: str) -> Iterator[str]:
     """A line each, with the remedy; ``folder`` names the knowledge base on the command line."""
     if not kb.types:
-        yield f"{kb.name} has no object type, so nothing can be found: plogic kb add NAME --mesh FILE --kb {folder}"
+        yield f"{kb.name} has no object type, so nothing can be found: plogic kb add NAME --mesh FILE --kb {quote(folder)}"
         return
-    plain = [kind for kind in kb.types if not kind.features]
-    if plain:
-        one = len(plain) == 1
-        what = (
-            f"{listed(plain)} {'has' if one else 'have'} no features, so {'it is' if one else 'they are'} never found"
-        )
-        yield f"{what}: plogic kb learn --kb {folder}, or write them into object.yaml"
+    plain = [(kind, remedy(kind, f"--kb {quote(folder)}")) for kind in kb.types if not kind.features]
+    for told in dict.fromkeys(told for _, told in plain):
+        some = [kind for kind, other in plain if other == told]
+        one = len(some) == 1
+        what = f"{listed(some)} {'has' if one else 'have'} no features, so {'it is' if one else 'they are'} never found"
+        yield f"{what}: {told}"
     if one_feature_type(kb):
         yield f"{one_feature_type(kb)}; give some features a type of their own"
     few = [kind for kind in kb.types if 0 < len(kind.seen_features) < FIXING_A_POSE]
@@ -49,7 +49,7 @@ def _meshes(kb: KnowledgeBase, folder: str) -> Iterator[str]:
     if len(open_ones) == 1 and open_ones[0].surface is not None:
         yield f"{open_ones[0].name}: {open_ones[0].surface.caution}"
     elif open_ones:
-        yield f"{listed(open_ones)}: their meshes are not closed, or not manifold; what A4 makes of each is told by: plogic kb check {folder}"
+        yield f"{listed(open_ones)}: their meshes are not closed, or not manifold; what A4 makes of each is told by: plogic kb check {quote(folder)}"
 
 
 def listed(kinds: Sequence[ObjectType]) -> str:

@@ -1,8 +1,9 @@
 """Why nothing was found, or not a certain type: the first cause that explains it, a line a type.
 
-Causes are looked for from the plain to the far-fetched: no data, data of other types, too few of them, a camera that is
-no picture's, a type whose own files do not fit together, and one thing of the knowledge base or of Γ that, were it
-otherwise, would let the type be found (``plogic.run.silence.otherwise``). Else the best pose that was tried is told.
+Causes are looked for from the plain to the far-fetched: a picture that lacks what types were learned from, no data,
+data of other types, too few of them, a camera that is no picture's, a type whose own files do not fit together, and one
+thing of the knowledge base or of Γ that, were it otherwise, would let the type be found
+(``plogic.run.silence.otherwise``). Else the best pose that was tried is told.
 """
 
 from collections import Counter
@@ -18,6 +19,7 @@ from plogic.facts.interpretation import found_and_usual
 from plogic.measures.distinctiveness import distinctiveness, instance_counts
 from plogic.run.silence.beforehand import findable, listed
 from plogic.run.silence.otherwise import CONVINCING, camera_doubt, causes
+from plogic.run.silence.picture import lacking
 from plogic.run.silence.too_few import seldom_found
 from sensing.appearance import Gamma
 
@@ -47,6 +49,8 @@ def why_missing(document: Interpretation, gamma: Gamma, kb: KnowledgeBase, kind:
 def _lines(
     document: Interpretation, gamma: Gamma, kb: KnowledgeBase, kinds: Sequence[ObjectType], *, thorough: bool
 ) -> Iterator[str]:
+    if any(kind.learned is not None for kind in kinds):
+        yield from lacking(document)
     about_data = _of_data(gamma, kinds)
     if about_data:
         yield about_data
