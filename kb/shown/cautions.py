@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 
 from geometry.arrays import Floats, Mask
 from geometry.cones import even_directions
+from geometry.files.mesh_files import textures_in
 from kb.clouds.cloud import KnowledgeBase, ObjectType
 from kb.clouds.learned import LearnedCloud
 from kb.clouds.lobes import in_lobe
@@ -159,7 +160,7 @@ def of_type(kind: ObjectType, f_ref: float) -> Iterator[str]:
     """A sentence about each thing in one type; ``f_ref`` pixels: the focal length that its ranges hold for."""
     if not kind.features:
         yield from _of_mesh(kind)
-        yield "has no features, so it is never found; learn them: plogic kb learn"
+        yield f"has no features, so it is never found: {remedy(kind)}"
         return
     unfit = [] if kind.learned is not None else list(misfits(kind, f_ref))
     yield from unfit
@@ -168,6 +169,24 @@ def of_type(kind: ObjectType, f_ref: float) -> Iterator[str]:
         yield from _of_learned(kind)
     elif not unfit:  # else what follows from these would be told as well
         yield from _of_lobes(kind)
+
+
+BY_HAND = "write junctions, patches, markers or colour blobs into object.yaml by hand"
+UNPAINTED = (
+    "its mesh has no texture, so keypoints see nothing of it; lay a photo on it (plogic kb learn NAME --photo FILE "
+    f"--points FILE), or {BY_HAND}"
+)
+
+
+def remedy(kind: ObjectType, options: str = "") -> str:
+    """What gives a type without features some; ``options`` of the command that would learn them."""
+    if kind.mesh_file is None:
+        return f"it has no mesh to learn them from; {BY_HAND}"
+    if not textures_in(kind.mesh_file)[0]:
+        return UNPAINTED
+    return (
+        f"learn them: plogic kb learn {options or kind.name}; where that says that its texture is too plain, {BY_HAND}"
+    )
 
 
 def _of_lobes(kind: ObjectType) -> Iterator[str]:

@@ -52,12 +52,20 @@ MOST_NAMED = 12
 """Appearance types that an error names."""
 
 
+def _remedies(kb: "KnowledgeBase") -> str:
+    """What gives types features, each remedy once."""
+    from kb.shown.cautions import remedy
+
+    told = [remedy(kind, "--kb KB") for kind in kb.types] or ["plogic kb add NAME --mesh FILE --kb KB"]
+    return "; ".join(dict.fromkeys(told))
+
+
 def _undetectable(kb: "KnowledgeBase") -> str:
     """Why an image gives nothing with a knowledge base, and what would."""
     from sensing.detectors.detector import detectors
 
     if not any(kind.features for kind in kb.types):
-        return f"{kb.name}: no type has features, so an image gives nothing: plogic kb learn --kb KB, or write them into object.yaml"
+        return f"{kb.name}: no type has features, so an image gives nothing: {_remedies(kb)}"
     known = sorted({name for make in detectors().values() for name in make().types})
     own, theirs = (
         ", ".join(names[:MOST_NAMED]) + ", ..." * (len(names) > MOST_NAMED) for names in (kb.appearance_types, known)

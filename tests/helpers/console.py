@@ -14,6 +14,8 @@ from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import Any
 
+from so_far import without_so_far
+
 BIN = Path(sys.executable).parent
 SECONDS = 120
 """More than any command of these tests takes, so that one that hangs fails."""
@@ -93,7 +95,7 @@ class _Copies:
                 raise subprocess.TimeoutExpired(command, SECONDS)
             status = int(self._line())
             return subprocess.CompletedProcess(
-                command, status, (streams / "stdout").read_text(), (streams / "stderr").read_text()
+                command, status, (streams / "stdout").read_text(), without_so_far((streams / "stderr").read_text())
             )
 
     def _line(self) -> bytes:

@@ -8,6 +8,7 @@ from tempfile import TemporaryFile
 from typing import TYPE_CHECKING
 
 from click.testing import CliRunner
+from so_far import without_so_far
 
 import cli
 from geometry.errors import PlogicError
@@ -23,7 +24,7 @@ def told(*args: object, stdin: str | None = None) -> list[str]:
     if result.exception is not None and not isinstance(result.exception, PlogicError | SystemExit):
         raise result.exception
     mistakes: Iterable[str] = cli._told(result.exception) if isinstance(result.exception, PlogicError) else ()
-    return [*result.output.splitlines(), *(f"plogic: {line}" for line in mistakes)]
+    return [*without_so_far(result.output).splitlines(), *(f"plogic: {line}" for line in mistakes)]
 
 
 @contextmanager

@@ -15,6 +15,7 @@ from kb.files.changes import Writer
 from kb.files.folder import load
 from kb.learning.compounds import with_parts
 from kb.learning.symmetry_trials import Trial, entries
+from kb.shown.cautions import UNPAINTED
 from plogic.base.errors import InputError
 from plogic.face.authoring.kb_learn_all import WORK, learned, no_print
 from plogic.face.authoring.kb_learn_words import words_of
@@ -28,10 +29,6 @@ from sensing.simulated.stage import MAX_TRIANGLES
 
 BY_HAND = "its features were written by hand; learning would replace them: take them out of object.yaml first"
 
-NO_TEXTURE = (
-    "its mesh has no texture, so keypoints see nothing of it; lay a photo on it (plogic kb learn NAME --photo FILE "
-    "--points FILE), or write junctions, patches, markers or colour blobs into object.yaml by hand"
-)
 NOTHING_NEW = (
     "nothing to learn: every type that can be learned has features already; name those that are to be learned again"
 )
@@ -150,7 +147,7 @@ def _fault(kind: ObjectType) -> str | None:
     except SensingError as error:
         return str(error)
     if mesh.texture is None:
-        return NO_TEXTURE
+        return UNPAINTED
     if len(mesh.triangles) > MAX_TRIANGLES:
         what = f"{kind.mesh_file.name} has {len(mesh.triangles)} triangles, more than the {MAX_TRIANGLES} that can be rendered"
         return f"{what}: simplify the mesh with its texture kept (as Blender's Decimate does), and put it in place of the one that is there"

@@ -10,6 +10,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import replace
 from pathlib import Path
+from shlex import quote
 from typing import Any
 
 import numpy as np
@@ -43,7 +44,7 @@ def is_new(folder: Path) -> bool:
     Raises InputError where what is there is none.
     """
     if is_there(folder) and fault_of(folder / "kb.yaml") is not None:
-        raise InputError(f"{folder}: holds no kb.yaml; make a knowledge base with: plogic kb new {folder}")
+        raise InputError(f"{folder}: holds no kb.yaml; make a knowledge base with: plogic kb new {quote(str(folder))}")
     return not is_there(folder)
 
 
@@ -157,12 +158,12 @@ def new_command(folder: Path, name: str | None, *, example: bool = False) -> str
         _make(folder, example_files(name))
         return (
             f"wrote {folder}: kb.yaml, rules.pl, their schemas, and objects/box: object.yaml, mesh.obj\n"
-            f"next: plogic kb check {folder}; plogic simulate --kb {folder} --gamma -o scene"
+            f"next: plogic kb check {quote(str(folder))}; plogic simulate --kb {quote(str(folder))} --gamma -o scene"
         )
     _make(folder, new_kb_files(name))
     return (
         f"wrote {folder}: kb.yaml, rules.pl, their schemas and objects/\n"
-        f"next: plogic kb add NAME --mesh FILE --units m|cm|mm --kb {folder}\n"
+        f"next: plogic kb add NAME --mesh FILE --units m|cm|mm --kb {quote(str(folder))}\n"
         f"or write {folder}/objects/NAME/object.yaml by hand, as plogic kb new FOLDER --example has one"
     )
 
@@ -206,7 +207,7 @@ def _of_robot(path: Path, folder: Path, units: str | None) -> NewType:
     reader = readers.get(path.suffix.lower())
     if reader is None:
         raise InputError(
-            f"{path}: is neither a .urdf nor an .sdf, nor a BOP models folder; a mesh comes with: plogic kb add NAME --mesh {path}"
+            f"{path}: is neither a .urdf nor an .sdf, nor a BOP models folder; a mesh comes with: plogic kb add NAME --mesh {quote(str(path))}"
         )
     stem = path.resolve().parent.name if path.stem == "model" else path.stem  # Gazebo's: NAME/model.sdf
     name = re.sub(r"[^A-Za-z0-9_.-]", "_", stem).lstrip(".-") or "robot"

@@ -7,6 +7,7 @@ import json
 import sys
 from collections.abc import Callable, Sequence
 from dataclasses import asdict, replace
+from shlex import quote
 from typing import TYPE_CHECKING
 
 from plogic.base.clock import Clock
@@ -225,9 +226,8 @@ def query_command(
 def _none(source: str, asked: Asked, goal: str | None) -> str:
     """An empty answer in words."""
     if goal is None and isinstance(asked, Program):
-        return (
-            f"{asked.file} asks nothing: it has no query/1, or none that holds; give a goal: plogic query {source} GOAL"
-        )
+        told = f"{asked.file} asks nothing: it has no query/1, or none that holds"
+        return f"{told}; give a goal: plogic query {quote(source)} GOAL"
     return "no answer: nothing of this form holds with positive probability"
 
 

@@ -5,6 +5,7 @@ import os
 from collections.abc import Iterable, Sequence
 from contextlib import closing, suppress
 from pathlib import Path
+from shlex import quote
 from time import monotonic
 
 from geometry.errors import WhichCameraError
@@ -133,7 +134,11 @@ def _why(frame: Frame, line: bytes) -> str:
 def _told_of(empty: Sequence[Frame]) -> str:
     """How many frames have nothing in them, and where to ask why; a frame of a video or a dataset has no file."""
     first = min(empty, key=lambda frame: frame.name)
-    ask = f" (plogic perceive {first.input}, with the same KB and camera, tells why)" if first.frame is None else ""
+    ask = (
+        f" (plogic perceive {quote(first.input)}, with the same KB and camera, tells why)"
+        if first.frame is None
+        else ""
+    )
     return f"nothing found in {len(empty)} frame{'s' * (len(empty) != 1)}, first {first.name}{ask}"
 
 

@@ -16,6 +16,7 @@ from geometry.files.remembered import cache_folder
 from kb.clouds.cloud import KnowledgeBase, ObjectType
 from kb.clouds.words import is_word
 from kb.files.read import read_kb
+from kb.shown.cautions import remedy
 from plogic.base.errors import InputError
 from plogic.face.shown.figures import chance
 from plogic.facts.caveats import UNWEIGHED
@@ -81,7 +82,7 @@ def _causes(document: Interpretation, gamma: Gamma, kb: KnowledgeBase, kind: Obj
     if any(h["status"] != "rejected" or h.get("why") == UNWEIGHED for h in rows):
         return []
     if not kind.features:
-        return [f"{kind.name}: has no features, so it is never found; learn them: plogic kb learn {kind.name}"]
+        return [f"{kind.name}: has no features, so it is never found: {remedy(kind)}"]
     return why_missing(document, gamma, kb, kind)
 
 

@@ -12,6 +12,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import replace
 from itertools import chain
 from pathlib import Path
+from shlex import quote
 from time import monotonic
 from typing import TYPE_CHECKING, Any
 
@@ -70,7 +71,7 @@ def perceive_command(inputs: Sequence[str], options: Perceiving, *, say: Say, wr
     if not options.out and not sys.stdout.isatty():
         options = replace(options, out="-")
     clock = Stopwatch()
-    with beating(lambda: clock.now or "perceiving") as above:
+    with beating(lambda: clock.now or ("asking why" if "document" in clock.seconds else "perceiving")) as above:
         say, write = above(say), above(write)
         if options.stereo is not None:
             return _of_pair(inputs, options, options.stereo, clock, say, write)
@@ -362,7 +363,9 @@ def _looked(panorama: "Panorama", frame: Input, shot: Shot | None, placed: Place
     gamma, image = gamma_of(frame.name, shot, panorama.perceiver.kb, Stopwatch())
     pose = gamma.camera.world_from_camera if placed is None else placed.world_from_camera
     if pose is None:
-        alone = f"; or take each frame by itself: plogic batch {frame.video}" if frame.video is not None else ""
+        alone = (
+            f"; or take each frame by itself: plogic batch {quote(str(frame.video))}" if frame.video is not None else ""
+        )
         raise InputError(
             f"{frame.name}: where its camera stood is not known: give --poses FILE, or T_world_camera in its camera{alone}"
         )

@@ -7,6 +7,7 @@ from collections.abc import Callable, Mapping, Sequence
 from contextlib import nullcontext
 from dataclasses import dataclass
 from pathlib import Path
+from shlex import quote
 
 import numpy as np
 
@@ -107,8 +108,9 @@ def simulate_command(
 def _told(scene: Scene, kb_folder: str, out: Path, wanted: Wanted) -> str:
     """What stands there, and the command that looks."""
     labels = [body.label for body in scene.bodies if body.label is not None]
-    seen = str(out / "gamma.json") if wanted.gamma else f"{out / 'image.png'} --camera {out / 'camera.json'}"
-    return f"{', '.join(labels) or 'nothing known'} there; next: plogic perceive {seen} --kb {kb_folder} -o out.json"
+    image, camera, gamma = (quote(str(out / name)) for name in ("image.png", "camera.json", "gamma.json"))
+    seen = gamma if wanted.gamma else f"{image} --camera {camera}"
+    return f"{', '.join(labels) or 'nothing known'} there; next: plogic perceive {seen} --kb {quote(kb_folder)} -o out.json"
 
 
 def _tour(scene: Scene, moves: str, out: Path, files: Callable[[Scene], Mapping[str, bytes]] | None) -> None:

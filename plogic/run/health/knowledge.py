@@ -2,6 +2,7 @@
 
 from collections.abc import Iterator
 from pathlib import Path
+from shlex import quote
 
 from geometry.errors import PlogicError
 from geometry.files.begun import left_in
@@ -25,7 +26,7 @@ def knowledge(name: str, *, fix: bool) -> Iterator[Finding]:
         for line in lines[:NAMED]:
             yield Finding(area, "mistake", "wrong", line, "mend the file")
         if len(lines) > NAMED:
-            yield Finding(area, "mistakes", "wrong", f"{len(lines) - NAMED} more", f"plogic kb check {name}")
+            yield Finding(area, "mistakes", "wrong", f"{len(lines) - NAMED} more", f"plogic kb check {quote(name)}")
         return
     learned = sum(kind.learned is not None for kind in kb.types)
     told = f"loads: {counted(len(kb.types), 'type', 'types')}, {learned} of them learned; digest {kb.digest[:12]}"

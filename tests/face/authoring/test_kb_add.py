@@ -110,7 +110,7 @@ def test_a_painted_mesh_is_kept_for_rendering_and_repaired_for_reasoning(tmp_pat
     painted = read_mesh(crate.mesh_file, crate.mesh_scale)
     assert painted.texture.shape == (4, 4, 3)
     assert np.ptp(painted.vertices, axis=0) == pytest.approx([0.1, 0.1, 0.1])
-    assert "warning: crate: has no features, so it is never found; learn them: plogic kb learn" in good(
+    assert "warning: crate: has no features, so it is never found: learn them: plogic kb learn crate" in good(
         "kb", "check", folder
     )
 
