@@ -276,8 +276,18 @@ def _rejected(rejected: Sequence[Hypothesis], gamma: Gamma, dv: Mapping[str, flo
 
 
 def accepted_in(document: Interpretation) -> tuple[str, ...]:
-    """The accepted objects: ``h1 t1 (0.941)``; of what is unfinished, with the interval."""
-    return tuple(f"{h['id']} {h['type']} ({_chance(h)})" for h in document["hypotheses"] if h["status"] == "accepted")
+    """The accepted objects: ``h1 t1 (0.941)``; of what is unfinished, with the interval; none of 0.000."""
+    rows = [h for h in document["hypotheses"] if h["status"] == "accepted" and _possible(h)]
+    return tuple(f"{h['id']} {h['type']} ({_chance(h)})" for h in rows)
+
+
+SHOWN = 0.0005
+"""Probability from which on an object is not told as one of 0.000."""
+
+
+def _possible(h: HypothesisRow) -> bool:
+    """Whether what was accepted is told as found: not where its rivals left it nothing."""
+    return (h.get("interval") or (0.0, h["probability"]))[1] >= SHOWN
 
 
 EVEN = 1e-9
@@ -316,7 +326,7 @@ def placed_in(document: Interpretation) -> tuple[str, ...]:
 
     ``h1 t1 (0.941) at (0.12, -0.03, 0.84) m, 0.85 m away``.
     """
-    accepted = [h for h in document["hypotheses"] if h["status"] == "accepted"]
+    accepted = [h for h in document["hypotheses"] if h["status"] == "accepted" and _possible(h)]
     places = [place_of(h["T_camera_object"]) for h in accepted]
     return tuple(f"{name} {place}" for name, place in zip(accepted_in(document), places, strict=True))
 

@@ -20,3 +20,11 @@ def test_a_place_has_two_digits_of_its_distance_at_least_and_no_minus_zero(origi
     rows = [{"id": "h1", "type": "cup", "status": "accepted", "probability": 0.5, "T_camera_object": pose}]
     (line,) = placed_in({"hypotheses": rows})
     assert line == f"h1 cup (0.500) {told}"
+
+
+def test_what_its_rival_left_nothing_is_not_told_as_found():
+    pose = [[1.0, 0.0, 0.0, 0.0], [0.0, 1.0, 0.0, 0.0], [0.0, 0.0, 1.0, 1.0], [0.0, 0.0, 0.0, 1.0]]
+    row = {"type": "cup", "status": "accepted", "T_camera_object": pose}
+    rows = [row | {"id": "h1", "probability": 0.0004}, row | {"id": "h2", "probability": 0.0006}]
+    late = row | {"id": "h3", "probability": 0.0, "interval": [0.0, 0.4]}
+    assert [line.split()[0] for line in placed_in({"hypotheses": [*rows, late]})] == ["h2", "h3"]
