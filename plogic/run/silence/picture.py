@@ -18,8 +18,8 @@ DARK = 50
 """Levels that a hundredth of a picture's pixels must reach. Two of the ``ycb`` photos of shared/data in ever less
 light, three types: of three objects none was lost at 76, one at 38, two at 20."""
 BURNT, SHARE = 250, 0.5
-"""Levels from which a pixel is burnt out, and the share of a picture's pixels that may be: with 0.3 of them, in the same
-photos in three times the light, nothing was lost."""
+"""Levels from which a pixel is burnt out, and the share of a picture's pixels that may be: with 0.3 of them, in the
+same photos in three times the light, nothing was lost."""
 
 
 def lacking(document: Interpretation) -> Iterator[str]:
