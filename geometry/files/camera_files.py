@@ -7,6 +7,7 @@
 | BOP `camera.json` | `fx` | |
 | BOP `scene_camera.json` | numbered keys with `cam_K` | mm to m; size from a `camera.json` beside or above |
 | COLMAP `cameras.txt`, `cameras.bin`, a folder with one | `geometry.files.colmap_files` | principal point - 0.5 px |
+| K alone: three lines of three numbers | nothing else is there | the size is the picture's |
 | ROS `camera_info`, OpenCV FileStorage YAML, XML, JSON | `geometry.files.calibration_files` | |
 
 Each foreign description of a camera, as the contract's `camera` key, whose numbers are checked afterwards.
@@ -73,7 +74,7 @@ def read_camera(
             return camera_from_dict(xml_calibration(text.lstrip("\ufeff"), size))
         if cameras := colmap_text(text):
             return _of_colmap(cameras, file, frame, photo)
-        return camera_from_dict(calibration(text, size))
+        return camera_from_dict(_of_matrix(text, size) or calibration(text, size))
 
 
 @contextmanager
@@ -85,6 +86,19 @@ def _told_of(file: Path) -> Iterator[None]:
         if error.path is not None:
             raise
         raise type(error)(error.message, path=file, line=error.line) from error
+
+
+def _of_matrix(text: str, size: Size) -> dict[str, Any] | None:
+    """The contract's `camera` key of K alone, three lines of three numbers (`numpy.savetxt`); None of else."""
+    rows = [words for line in text.lstrip("\ufeff").splitlines() if (words := line.partition("#")[0].split())]
+    try:
+        K = [[float(word) for word in row] for row in rows]
+    except ValueError:
+        return None
+    if [len(row) for row in K] != [3, 3, 3]:
+        return None
+    width, height = size_of({}, size)
+    return {"width": width, "height": height, "K": K, "dist": []}
 
 
 def _of_colmap(cameras: Mapping[str, Stated], file: Path, name: str | int | None, photo: str | Path | None) -> Camera:

@@ -146,6 +146,17 @@ def test_a_size_that_is_not_stated_is_the_pictures(tmp_path):
     assert read_camera(written(tmp_path, "camera", text), size=(640, 480)).width == 640
 
 
+def test_k_alone_has_the_pictures_size(tmp_path):
+    """As numpy.savetxt writes it, with its comment."""
+    K = np.array([[600.5, 0.0, 320.0], [0.0, 601.0, 240.0], [0.0, 0.0, 1.0]])
+    np.savetxt(tmp_path / "K.txt", K, header="camera matrix")
+    camera = read_camera(tmp_path / "K.txt", size=(640, 480))
+    assert (camera.width, camera.height, camera.dist.size) == (640, 480, 0)
+    assert (camera.K == K).all()
+    with pytest.raises(CameraError, match=r"K\.txt: states no width and height"):
+        read_camera(tmp_path / "K.txt")
+
+
 def test_colmaps_principal_point_is_half_a_pixel_off_ours(tmp_path):
     assert read_camera(written(tmp_path, "cameras.txt", COLMAP), 1).K.tolist() == [
         [600, 0, 320],
