@@ -23,6 +23,7 @@ from kb.errors import IntakeError
 from kb.files.schema import json_schema
 from kb.files.values import LENGTHS
 from kb.files.write import flow
+from kb.intake.links import named
 from kb.intake.source import MAX_FILE_BYTES, Source, painted_files
 from kb.surfaces.pieces import pieces_of
 from kb.surfaces.repair import Repaired, repaired
@@ -147,7 +148,7 @@ def new_type(name: str, source: Source, units: str | None, origin: Path, symmetr
         raise IntakeError(f"{origin}: {error}") from error
     files, paint = painted_files(source, scale)
     turns = [] if symmetries else turns_of(mended.surface)
-    parts = [str(piece) for piece in pieces_of(mended.surface)]
+    parts = [str(piece) for piece in named(pieces_of(mended.surface), mended.surface, source, scale)]
     lines = [*_stand_lines(mended.surface), *_symmetry_lines(list(symmetries), turns)]
     text = _object_text(name, origin.name, units or "m", lines, parts, textured=bool(files))
     files = {"object.yaml": text.encode(), "mesh.ply": ply_bytes(mended.surface)} | files
@@ -199,7 +200,7 @@ def _object_text(name: str, origin: str, units: str, known: list[str], parts: li
     lines += [f"mesh: {{file: mesh.ply, units: m{paint}}}", *known]
     if parts:
         lines += [
-            "parts:  # the mesh's pieces; rename them. Their features: by hand, or from the mesh: plogic kb learn"
+            "parts:  # the mesh's pieces, of a robot its links; rename them. Their features: by hand, or from the mesh: plogic kb learn"
         ]
         lines += [f"  - {part}" for part in parts]
     else:

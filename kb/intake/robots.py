@@ -110,7 +110,7 @@ class Visual:
     Sizes are sides; radius and length; radius.
 
     ``scale`` (3,) of the mesh's coordinates; ``root_from_shape`` (4, 4), m; ``colour`` red, green, blue in [0, 255].
-    ``where``: the file and the link, for errors.
+    ``where``: the file and the link, for errors; ``link``: its name.
     """
 
     root_from_shape: NDArray[np.float64]
@@ -120,6 +120,7 @@ class Visual:
     sizes: tuple[float, ...] = ()
     colour: tuple[int, int, int] | None = None
     where: str = ""
+    link: str = ""
 
 
 def merged(path: Path, visuals: Sequence[Visual]) -> Source:
@@ -140,7 +141,10 @@ def merged(path: Path, visuals: Sequence[Visual]) -> Source:
             continue
         placed = source.moved(visual.root_from_shape @ np.diag([*visual.scale, 1.0]))
         colour = visual.colour or GREY  # of what has none of its own
-        pieces += [replace(piece, colour=colour) if piece.colour == GREY else piece for piece in placed.pieces]
+        pieces += [
+            replace(piece, colour=colour if piece.colour == GREY else piece.colour, name=visual.link)
+            for piece in placed.pieces
+        ]
         notes += source.notes
     if wrong:
         raise IntakeError("\n".join(dict.fromkeys(wrong)))
@@ -275,7 +279,7 @@ def _urdf_shapes(link: Element, root_from_link: Frame, colours: dict[str, Colour
         colour = None if material is None else _rgb(material, path) or colours.get(material.get("name", ""))
         where = f"{path}: link {link.get('name', '')!r:.60}"
         for shape in _shapes(visual, place, lambda shape, key: shape.get(key), "filename", where, path):
-            yield replace(shape, colour=colour)
+            yield replace(shape, colour=colour, link=link.get("name", "").strip())
 
 
 def _rgb(material: Element, path: Path) -> Colour | None:
@@ -302,13 +306,15 @@ def sdf_visuals(path: Path) -> list[Visual]:
     return list(_inside(root, np.eye(4), path))
 
 
-def _inside(element: Element, root_from_element: Frame, path: Path) -> Iterator[Visual]:
+def _inside(element: Element, root_from_element: Frame, path: Path, link: str = "") -> Iterator[Visual]:
     for child in element:
         if child.tag in HOLDERS:
-            yield from _inside(child, root_from_element @ _pose(child, path), path)
+            own = child.get("name", "").strip() if child.tag == "link" else link
+            yield from _inside(child, root_from_element @ _pose(child, path), path, own)
         elif child.tag == "visual":
             where = f"{path}: visual {child.get('name', '')!r:.60}"
-            yield from _shapes(child, root_from_element @ _pose(child, path), _element_text, "uri", where, path)
+            for shape in _shapes(child, root_from_element @ _pose(child, path), _element_text, "uri", where, path):
+                yield replace(shape, link=link)
 
 
 def _pose(element: Element, path: Path) -> Frame:

@@ -99,7 +99,7 @@ class Piece:
     """``vertices`` (V, 3) in the file's unit, ``triangles`` (T, 3), and the paint.
 
     The paint is a ``picture`` with ``uv`` (V, 2), v upward, or ``colours`` (V, 3) red, green, blue of the vertices, or
-    one ``colour``.
+    one ``colour``. ``name``: the link of a robot that it is of.
     """
 
     vertices: NDArray[np.float64]
@@ -108,6 +108,7 @@ class Piece:
     picture: Picture | None = None
     colours: NDArray[np.uint8] | None = None
     colour: tuple[int, int, int] = GREY
+    name: str = ""
 
 
 @dataclass(frozen=True, eq=False)

@@ -4,6 +4,8 @@ Vocabulary: ``Piece``, one of them, ``Piece(name="part_1", at=(0, 0, 0.1), share
 first.
 """
 
+import json
+import re
 from dataclasses import dataclass
 
 import numpy as np
@@ -34,7 +36,8 @@ class Piece:
     triangles: NDArray[np.intp]
 
     def __str__(self) -> str:
-        return f"{{part: {self.name}, at: [{', '.join(f'{round(float(x), 6) + 0.0:g}' for x in self.at)}]}}"
+        name = self.name if re.fullmatch(r"part_[0-9]+", self.name) else json.dumps(self.name)
+        return f"{{part: {name}, at: [{', '.join(f'{round(float(x), 6) + 0.0:g}' for x in self.at)}]}}"
 
 
 def pieces_of(surface: Surface) -> tuple[Piece, ...]:

@@ -55,6 +55,20 @@ def test_a_urdf_is_one_type_in_its_zero_pose(tmp_path, folder):
     assert arm.surface.volume == pytest.approx(6 + 0.002)
 
 
+def test_links_are_parts_of_their_names(tmp_path, folder):
+    """Two that hang together are one part with both names; what a name of a part may not hold is replaced."""
+    boxes = {"base": 0, "tip/2": 3, "true": 6, "lid": 7}  # the last two share a side
+    links = "".join(
+        f'<link name="{name}"><visual><origin xyz="{x} 0 0"/><geometry><box size="1 1 1"/></geometry></visual></link>'
+        for name, x in boxes.items()
+    )
+    (tmp_path / "robot.urdf").write_text(f'<robot name="r">{links}</robot>')
+    good("kb", "import", tmp_path / "robot.urdf", "--kb", folder)
+    (kind,) = read_kb(folder).types
+    places = {node: data["at"][0] for node, data in kind.tree.nodes(data=True) if node}
+    assert places == {"base": 0.0, "tip_2": 3.0, "true+lid": 6.5}
+
+
 def test_joints_that_move_are_said_to_be_frozen_in_the_first_line(tmp_path, folder):
     write_box(tmp_path / "box.obj")
     (tmp_path / "arm.urdf").write_text(URDF)
