@@ -5,7 +5,6 @@ from __future__ import annotations
 import json
 import math
 import os
-import pty
 import re
 import subprocess
 
@@ -49,12 +48,6 @@ def test_perceive_of_the_image_is_the_demos_interpretation(perceived, demo):
     assert files["picture.png"] == (demo / "picture.png").read_bytes()
     assert run.stdout == ""
     assert len(run.stderr.splitlines()) == 1 + 2
-
-
-def test_a_camera_that_lies_beside_the_picture_is_taken_and_that_is_said(demo, tmp_path):
-    run = plogic("perceive", demo / "image.png", "--kb", "towers", "-o", tmp_path / "out.json")
-    assert run.stderr.splitlines()[0].endswith(f"image.png: its camera is {demo / 'camera.json'}, which lies beside it")
-    assert (tmp_path / "out.json").read_bytes() == (demo / "interpretation.json").read_bytes()
 
 
 PLACED = re.compile(r"(h\d+) (\S+) \((\d\.\d{3})\) at \((\S+), (\S+), (\S+)\) m, (\S+) m away")
@@ -324,45 +317,6 @@ def test_a_deadline_that_is_not_reached_changes_nothing(demo):
     interpretation = json.loads(good("perceive", demo / "gamma.json", "--kb", "towers", "--deadline", 600))
     assert "unfinished" not in interpretation
     assert interpretation["worlds"] == json.loads((demo / "interpretation.json").read_text())["worlds"]
-
-
-def on_a_terminal(*args, **env):
-    """What a command writes where stdout is a terminal."""
-    ours, theirs = pty.openpty()
-    variables = (
-        {k: v for k, v in os.environ.items() if k != "NO_COLOR"} | {"TERM": "xterm-256color", "COLUMNS": "100"} | env
-    )
-    with subprocess.Popen([BIN / "plogic", *args], stdout=theirs, stdin=subprocess.DEVNULL, env=variables) as run:
-        os.close(theirs)
-        chunks = list(iter(lambda: _read(ours), b""))
-    os.close(ours)
-    assert run.returncode == 0
-    return b"".join(chunks).decode()
-
-
-def _read(terminal):
-    try:
-        return os.read(terminal, 65536)
-    except OSError:
-        return b""  # the other side is closed
-
-
-def test_a_terminal_is_shown_worlds_and_a_pipe_the_interpretation(demo):
-    asked = ("perceive", demo / "gamma.json", "--kb", "towers")
-    shown = on_a_terminal(*asked, NO_COLOR="1")
-    assert "possible worlds" in shown
-    assert "the whole interpretation (JSON): -o FILE" in shown
-    assert len(shown) < 5000
-    assert on_a_terminal(*asked, "-o", "-").startswith("{")
-    assert json.loads(good(*asked))["format"] == "interpretation/1"
-
-
-def test_styles_only_on_a_terminal_and_not_with_no_color(interpretation):
-    assert "\x1b[" in on_a_terminal("worlds", interpretation)
-    plain = on_a_terminal("worlds", interpretation, NO_COLOR="1")
-    assert "possible worlds" in plain
-    assert "\x1b" not in plain
-    assert "\x1b" not in good("worlds", interpretation)
 
 
 def test_a_reader_that_leaves_early_sees_no_traceback(interpretation):

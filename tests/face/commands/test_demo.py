@@ -125,3 +125,9 @@ def test_a_file_in_the_place_of_the_folder_is_told_before_any_work(tmp_path):
         assert (run.returncode, run.stdout) == (1, "")
         assert run.stderr == f"plogic: {out}: cannot be written: taken is no folder\n"
     assert bytes_in(tmp_path) == {"taken": b"mine"}
+
+
+def test_a_camera_that_lies_beside_the_picture_is_taken_and_that_is_said(demo, tmp_path):
+    run = plogic("perceive", demo / "image.png", "--kb", "towers", "-o", tmp_path / "out.json")
+    assert run.stderr.splitlines()[0].endswith(f"image.png: its camera is {demo / 'camera.json'}, which lies beside it")
+    assert (tmp_path / "out.json").read_bytes() == (demo / "interpretation.json").read_bytes()

@@ -4,12 +4,13 @@ from __future__ import annotations
 
 import json
 import os
+import pty
 import shlex
 import subprocess
 from pathlib import Path
 
 import pytest
-from console import BIN, SECONDS
+from console import BIN, SECONDS, good
 
 EXAMPLES = Path(__file__).parents[3] / "examples"
 COMMANDS = {
@@ -128,3 +129,42 @@ def test_an_output_in_a_file_that_may_not_grow_is_told_and_nothing_is_left(folde
     assert (done.returncode, done.stdout) == (1, "")
     assert done.stderr == "plogic: small/page.html: cannot be written: File too large\n"
     assert list(out.iterdir()) == []
+
+
+def on_a_terminal(*args, **env):
+    """What a command writes where stdout is a terminal."""
+    ours, theirs = pty.openpty()
+    variables = (
+        {k: v for k, v in os.environ.items() if k != "NO_COLOR"} | {"TERM": "xterm-256color", "COLUMNS": "100"} | env
+    )
+    with subprocess.Popen([BIN / "plogic", *args], stdout=theirs, stdin=subprocess.DEVNULL, env=variables) as run:
+        os.close(theirs)
+        chunks = list(iter(lambda: _read(ours), b""))
+    os.close(ours)
+    assert run.returncode == 0
+    return b"".join(chunks).decode()
+
+
+def _read(terminal):
+    try:
+        return os.read(terminal, 65536)
+    except OSError:
+        return b""  # the other side is closed
+
+
+def test_styles_only_on_a_terminal_and_not_with_no_color(demo):
+    assert "\x1b[" in on_a_terminal("worlds", demo / "interpretation.json")
+    plain = on_a_terminal("worlds", demo / "interpretation.json", NO_COLOR="1")
+    assert "possible worlds" in plain
+    assert "\x1b" not in plain
+    assert "\x1b" not in good("worlds", demo / "interpretation.json")
+
+
+def test_a_terminal_is_shown_worlds_and_a_pipe_the_interpretation(demo):
+    asked = ("perceive", demo / "gamma.json", "--kb", "towers")
+    shown = on_a_terminal(*asked, NO_COLOR="1")
+    assert "possible worlds" in shown
+    assert "the whole interpretation (JSON): -o FILE" in shown
+    assert len(shown) < 5000
+    assert on_a_terminal(*asked, "-o", "-").startswith("{")
+    assert json.loads(good(*asked))["format"] == "interpretation/1"
