@@ -6,8 +6,7 @@ Vocabulary, each with an example value:
 * ``FeatureAppearance``, one way that a feature looks: ``FeatureAppearance("arrow_junction", lobe)``
 * ``Feature``: ``Feature("roof/apex", "apex", at=(0, 0, 3), ...)``
 * ``Stand``, how a type stands, as its author says: ``Stand(down=(0, 0, -1), weight=0.8)``
-* ``ObjectType``: ``ObjectType("t2", tree, features, ...)``, the tree being a ``networkx.DiGraph`` with frames on its
-  edges
+* ``ObjectType``: ``ObjectType("t2", tree, features, ...)``, the tree being one with frames on its edges
 * ``KnowledgeBase``: ``KnowledgeBase("towers", types=(t1, t2), ...)``
 """
 
@@ -19,14 +18,13 @@ from itertools import accumulate
 from pathlib import Path
 from typing import NamedTuple
 
-import networkx as nx
 import numpy as np
 from numpy.typing import NDArray
 
 from geometry.arrays import lengths
 from geometry.bodies.resting import RestingFaces, resting_faces, stated_faces
 from kb.clouds.learned import LearnedCloud
-from kb.clouds.lobes import Feature, LobeTable, freeze, lobe_table, object_nodes
+from kb.clouds.lobes import Feature, LobeTable, Tree, freeze, lobe_table, object_nodes
 from kb.clouds.words import Words
 from kb.surfaces.faces import faces
 from kb.surfaces.surface import Surface
@@ -63,7 +61,7 @@ class ObjectType:
     """
 
     name: str
-    tree: nx.DiGraph
+    tree: Tree
     features: tuple[Feature, ...]
     all_features: tuple[Feature, ...]
     surface: Surface | None
@@ -304,11 +302,11 @@ def _nearest(points: NDArray[np.float64], places: NDArray[np.float64]) -> NDArra
     return np.array([min(some) for some in close], dtype=np.intp)
 
 
-def _owner(tree: nx.DiGraph, name: str) -> str:
+def _owner(tree: Tree, name: str) -> str:
     """The innermost object on the path to a feature; '' for the maximal one."""
     steps = name.split("/")
     paths = ("/".join(steps[:n]) for n in range(len(steps) - 1, 0, -1))
-    return next((path for path in paths if path in tree and tree.nodes[path]["kind"] == "object"), "")
+    return next((path for path in paths if path in tree.nodes and tree.nodes[path].kind == "object"), "")
 
 
 def _body(surface: Surface, facets: NDArray[np.intp]) -> Surface:

@@ -1,24 +1,30 @@
 """Features, the lobes that they are seen from, and the tree of an object type.
 
 A lobe is from where a detector can see a feature's appearance (§2.7); it bounds a pencil of vectors. The tree is
-Φ(x, v, Type, parts) as a ``networkx.DiGraph`` (§2.1-§2.4).
+Φ(x, v, Type, parts) (§2.1-§2.4); ``Tree.graph`` is the same as a ``networkx.DiGraph``.
 
 Vocabulary: ``LobeTable``, all L lobes of one type as arrays in the object's frame; ``Branch``, a nested description:
 ``Branch("object", "t2", "t2", parts=[Branch("object", "roof", "roof")])``. In the tree a node's name is its path:
 ``''`` the maximal object, ``'roof'``, ``'roof/apex'``, ``'roof/apex#0'`` an appearance.
 """
 
-from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, field, replace
-from typing import Literal
+from __future__ import annotations
 
-import networkx as nx
+from dataclasses import dataclass, field, replace
+from functools import cached_property
+from typing import TYPE_CHECKING, Literal
+
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
 
 from geometry.arrays import frozen
 from geometry.frames import compose, from_rotation_translation, is_rigid
 from kb.errors import TreeError
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator, Sequence
+
+    import networkx as nx
+    from numpy.typing import ArrayLike, NDArray
 
 GRAIN = 1e-9
 """Slack of the cone's and the range's bounds, so that a viewpoint on a bound is inside."""
@@ -167,7 +173,7 @@ class Branch:
     type: str
     at: ArrayLike = (0.0, 0.0, 0.0)
     rotation: ArrayLike = field(default_factory=lambda: np.eye(3))
-    parts: Sequence["Branch"] = ()
+    parts: Sequence[Branch] = ()
     lobe: Lobe | None = None
     arms: ArrayLike = ()
 
@@ -214,11 +220,49 @@ def _own_mistakes(branch: Branch) -> Iterator[str]:
         yield f"A2: {branch.name!r} must stand at 3 finite coordinates, turned by a rotation"
 
 
-def build_tree(root: Branch) -> nx.DiGraph:
-    """The tree that ``root`` describes.
+@dataclass(frozen=True, eq=False)
+class Node:
+    """One node of a tree.
 
-    Nodes carry ``kind``, ``type``, ``at`` (3,) m relative to the parent, ``viewpoint`` (a Lobe, or None: Φ's second
-    slot for appearances) and ``arms`` (K, 3); an edge carries its frame ``parent_from_child`` (4, 4).
+    ``at`` (3,) m relative to the parent; ``viewpoint``: Φ's second slot for appearances; ``arms`` (K, 3). ``above``:
+    its parent, None of the maximal object; ``parent_from_node`` (4, 4); ``below``: its children, in order.
+    """
+
+    kind: Kind
+    type: str
+    at: NDArray[np.float64]
+    viewpoint: Lobe | None
+    arms: NDArray[np.float64]
+    above: str | None
+    parent_from_node: NDArray[np.float64]
+    below: tuple[str, ...]
+
+
+@dataclass(frozen=True, eq=False)
+class Tree:
+    """Φ of one type: its nodes by their names, each after its parent, in the description's order."""
+
+    nodes: dict[str, Node]
+
+    @cached_property
+    def graph(self) -> nx.DiGraph:
+        """The tree for who asks more of it, made when it is first asked for: networkx is long to import.
+
+        Nodes carry ``kind``, ``type``, ``at``, ``viewpoint`` and ``arms``; an edge carries ``parent_from_child``.
+        """
+        import networkx as nx
+
+        graph = nx.DiGraph()
+        for name, node in self.nodes.items():
+            row = {"kind": node.kind, "type": node.type, "at": node.at, "viewpoint": node.viewpoint, "arms": node.arms}
+            graph.add_node(name, **row)
+            if node.above is not None:
+                graph.add_edge(node.above, name, parent_from_child=node.parent_from_node)
+        return graph
+
+
+def build_tree(root: Branch) -> Tree:
+    """The tree that ``root`` describes.
 
     Raises:
         TreeError: for the first of ``tree_mistakes``.
@@ -226,72 +270,71 @@ def build_tree(root: Branch) -> nx.DiGraph:
     mistakes = tree_mistakes(root)
     if mistakes:
         raise TreeError(mistakes[0][1])
-    tree = nx.DiGraph()
-    _grow(tree, root, "")
-    return tree
+    return Tree(dict(_grown(root, "", None)))
 
 
-def _grow(tree: nx.DiGraph, branch: Branch, node: str) -> None:
+def _grown(branch: Branch, name: str, above: str | None) -> Iterator[tuple[str, Node]]:
+    """A node and all below it, by their names."""
     at, arms = np.array(branch.at, dtype=float), np.array(branch.arms, dtype=float).reshape(-1, 3)
-    tree.add_node(node, kind=branch.kind, type=branch.type, at=at, viewpoint=branch.lobe, arms=arms)
-    for index, part in enumerate(branch.parts):
-        child = f"{node}#{index}" if part.kind == "appearance" else f"{node}/{part.name}".lstrip("/")
-        _grow(tree, part, child)
-        tree.add_edge(node, child, parent_from_child=from_rotation_translation(part.rotation, part.at))
+    frame = from_rotation_translation(branch.rotation, branch.at)
+    children = [
+        f"{name}#{index}" if part.kind == "appearance" else f"{name}/{part.name}".lstrip("/")
+        for index, part in enumerate(branch.parts)
+    ]
+    yield name, Node(branch.kind, branch.type, at, branch.lobe, arms, above, frame, tuple(children))
+    for child, part in zip(children, branch.parts, strict=True):
+        yield from _grown(part, child, name)
 
 
-def object_nodes(tree: nx.DiGraph) -> list[str]:
+def object_nodes(tree: Tree) -> list[str]:
     """The maximal object and its parts that are objects, in the description's order."""
-    return [node for node, row in tree.nodes(data=True) if row["kind"] == "object"]
+    return [name for name, node in tree.nodes.items() if node.kind == "object"]
 
 
-def place(tree: nx.DiGraph, node: str) -> NDArray[np.float64]:
+def place(tree: Tree, node: str) -> NDArray[np.float64]:
     """object_from_node (4, 4): steps add along the path from the maximal object, with the frames' rotations (A2).
 
     Raises:
         TreeError: for a node that the tree does not have.
     """
-    if node not in tree:
+    if node not in tree.nodes:
         raise TreeError(f"{node!r} is no node of the tree")
     steps = []
-    while tree.in_degree(node):
-        (parent,) = tree.predecessors(node)
-        steps.append(tree.edges[parent, node]["parent_from_child"])
-        node = parent
+    while (above := tree.nodes[node].above) is not None:
+        steps.append(tree.nodes[node].parent_from_node)
+        node = above
     return np.asarray(compose(*reversed(steps)))
 
 
-def features_of(tree: nx.DiGraph) -> tuple[tuple[Feature, ...], tuple[Feature, ...]]:
+def features_of(tree: Tree) -> tuple[tuple[Feature, ...], tuple[Feature, ...]]:
     """The maximal features, and every Feature node, in the description's order (A1).
 
     A compound has no appearances of its own: it looks like any of its parts, so it takes over their appearances, each
     lobe turned into its frame and based at its place.
     """
-    nodes = [node for node, row in tree.nodes(data=True) if row["kind"] == "feature"]
-    features = {node: _feature(tree, node) for node in nodes}
+    features = {name: _feature(tree, name) for name, node in tree.nodes.items() if node.kind == "feature"}
     inner = {part for feature in features.values() for part in feature.parts}
     return tuple(f for node, f in features.items() if node not in inner), tuple(features.values())
 
 
-def _feature(tree: nx.DiGraph, node: str) -> Feature:
-    frame, row = place(tree, node), tree.nodes[node]
+def _feature(tree: Tree, name: str) -> Feature:
+    frame, node = place(tree, name), tree.nodes[name]
     return Feature(
-        name=node,
-        type=row["type"],
+        name=name,
+        type=node.type,
         at=frame[:3, 3],
         rotation=frame[:3, :3],
         appearances=tuple(_appearances(tree, node, np.eye(3))),
-        arms=row["arms"] @ frame[:3, :3].T,
-        parts=tuple(part for part in tree.successors(node) if tree.nodes[part]["kind"] == "feature"),
+        arms=node.arms @ frame[:3, :3].T,
+        parts=tuple(part for part in node.below if tree.nodes[part].kind == "feature"),
     )
 
 
-def _appearances(tree: nx.DiGraph, node: str, turn: NDArray[np.float64]) -> Iterator[FeatureAppearance]:
+def _appearances(tree: Tree, node: Node, turn: NDArray[np.float64]) -> Iterator[FeatureAppearance]:
     """The appearances below ``node``; ``turn`` (3, 3) = feature_from_node."""
-    for part in tree.successors(node):
-        onward = turn @ tree.edges[node, part]["parent_from_child"][:3, :3]
-        lobe = tree.nodes[part]["viewpoint"]
-        if lobe is not None:
-            turned = replace(lobe, axis=onward @ lobe.axis)
-            yield FeatureAppearance(tree.nodes[part]["type"], turned)
+    for part in (tree.nodes[name] for name in node.below):
+        onward = turn @ part.parent_from_node[:3, :3]
+        if part.viewpoint is not None:
+            turned = replace(part.viewpoint, axis=onward @ part.viewpoint.axis)
+            yield FeatureAppearance(part.type, turned)
         yield from _appearances(tree, part, onward)

@@ -10,7 +10,6 @@ import re
 from collections.abc import Iterator, Mapping
 from typing import Any
 
-import networkx as nx
 import numpy as np
 from numpy.typing import NDArray
 from ruamel.yaml import YAML
@@ -18,7 +17,7 @@ from ruamel.yaml.comments import CommentedMap, CommentedSeq
 
 from geometry.frames import quat_xyzw_from_rotation
 from kb.clouds.cloud import ObjectType, Rates
-from kb.clouds.lobes import Lobe
+from kb.clouds.lobes import Lobe, Tree
 from kb.surfaces.surface import Surface
 from kb.surfaces.symmetries import symmetry_entries
 
@@ -46,30 +45,30 @@ def obj_text(surface: Surface) -> str:
     return "\n".join(lines + [f"f {a + 1} {b + 1} {c + 1}" for a, b, c in surface.triangles.tolist()]) + "\n"
 
 
-def _list_lines(tree: nx.DiGraph, node: str, indent: str) -> Iterator[str]:
+def _list_lines(tree: Tree, node: str, indent: str) -> Iterator[str]:
     """The list of what ``node`` holds; A1 makes it one list."""
-    children = list(tree.successors(node))
+    children = tree.nodes[node].below
     if children:
-        yield f"{indent}{_KEYS[tree.nodes[children[0]]['kind']]}:"
+        yield f"{indent}{_KEYS[tree.nodes[children[0]].kind]}:"
     for child in children:
-        first, *rest = _node_lines(tree, node, child)
+        first, *rest = _node_lines(tree, child)
         yield f"{indent}  - {first}"
         yield from (f"{indent}    {line}" for line in rest)
 
 
-def _node_lines(tree: nx.DiGraph, parent: str, node: str) -> Iterator[str]:
+def _node_lines(tree: Tree, node: str) -> Iterator[str]:
     row = tree.nodes[node]
-    if row["kind"] == "appearance":
+    if row.kind == "appearance":
         yield from _appearance_lines(tree, node)
         return
     name = node.rsplit("/", 1)[-1]
-    yield f"{'part' if row['kind'] == 'object' else 'feature'}: {flow(name)}"
-    if row["kind"] == "feature" or row["type"] != name:
-        yield f"type: {flow(row['type'])}"
-    yield f"at: {flow(row['at'])}"
-    yield from _rotation_lines(tree.edges[parent, node]["parent_from_child"])
-    if len(row["arms"]):
-        yield f"arms: {flow(row['arms'])}"
+    yield f"{'part' if row.kind == 'object' else 'feature'}: {flow(name)}"
+    if row.kind == "feature" or row.type != name:
+        yield f"type: {flow(row.type)}"
+    yield f"at: {flow(row.at)}"
+    yield from _rotation_lines(row.parent_from_node)
+    if len(row.arms):
+        yield f"arms: {flow(row.arms)}"
     yield from _list_lines(tree, node, "")
 
 
@@ -78,14 +77,14 @@ def _rotation_lines(frame: NDArray[np.float64]) -> Iterator[str]:
         yield f"rotation: {{quat_xyzw: {flow(quat_xyzw_from_rotation(frame[:3, :3]))}}}"
 
 
-def _appearance_lines(tree: nx.DiGraph, node: str) -> Iterator[str]:
+def _appearance_lines(tree: Tree, node: str) -> Iterator[str]:
     row = tree.nodes[node]
-    lines = [f"type: {flow(row['type'])}"]
-    if row["viewpoint"] is not None:
-        if math.isfinite(row["viewpoint"].size):
-            lines.append(f"size: {_number(row['viewpoint'].size)} m")
-        lines.append(f"lobe: {_lobe(row['viewpoint'])}")
-    if not tree.out_degree(node):
+    lines = [f"type: {flow(row.type)}"]
+    if row.viewpoint is not None:
+        if math.isfinite(row.viewpoint.size):
+            lines.append(f"size: {_number(row.viewpoint.size)} m")
+        lines.append(f"lobe: {_lobe(row.viewpoint)}")
+    if not row.below:
         yield f"{{{', '.join(lines)}}}"
         return
     yield from lines

@@ -181,7 +181,7 @@ def with_parts(kind: ObjectType, cloud: LearnedCloud) -> LearnedCloud:
 def _part_of(kind: ObjectType, cloud: LearnedCloud) -> NDArray[np.int64]:
     """(F,) indices into the objects of the tree."""
     nodes = object_nodes(kind.tree)
-    leaves = [index for index, node in enumerate(nodes) if not kind.tree.out_degree(node)]
+    leaves = [index for index, node in enumerate(nodes) if not kind.tree.nodes[node].below]
     if kind.surface is None or len(nodes) == 1 or not len(cloud.at):
         return np.zeros(len(cloud.at), np.int64)
     places = np.array([place(kind.tree, nodes[index])[:3, 3] for index in leaves])

@@ -120,15 +120,17 @@ def _offsets_twice(kind: ObjectType) -> list[str]:
     if kind.surface is None:
         return []
     near, size, told = Nearness(kind.surface.vertices, kind.surface.triangles), kind.surface.diameter, []
-    for node in object_nodes(kind.tree)[1:]:
-        (above,) = kind.tree.predecessors(node)
+    for node in object_nodes(kind.tree):
+        above = kind.tree.nodes[node].above
+        if above is None:
+            continue
         offset = place(kind.tree, node)[:3, 3] - place(kind.tree, above)[:3, 3]
         at = np.array([f.at for f in kind.seen_features if f.name.startswith(f"{node}/")]).reshape(-1, 3)
         if not len(at) or np.linalg.norm(offset) <= BESIDE * size:
             continue
         off = near.distance(at)
         if np.median(off) > BESIDE * size > 5.0 * np.median(near.distance(at - offset)):
-            written = _row(kind.tree.edges[above, node]["parent_from_child"][:3, 3])
+            written = _row(kind.tree.nodes[node].parent_from_node[:3, 3])
             told.append(
                 f"the features of part {node} lie up to {_metres(float(off.max()))} off the mesh, and on it without the part's own at, {written}: "
                 "is it applied twice? a feature's at is in its part's frame"

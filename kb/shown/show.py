@@ -6,13 +6,12 @@ from dataclasses import asdict
 from math import isfinite
 from typing import Any
 
-import networkx as nx
 import numpy as np
 
 from geometry.bodies.resting import meant, resting_faces
 from geometry.frames import transform_points
 from kb.clouds.cloud import KnowledgeBase, ObjectType
-from kb.clouds.lobes import Feature, Lobe, object_nodes
+from kb.clouds.lobes import Feature, Lobe, Node, Tree, object_nodes
 from kb.shown.cautions import cautions, learned_summary
 from kb.shown.seen_from import MOST_NAMED
 from kb.surfaces.symmetries import symmetry_words
@@ -146,11 +145,11 @@ def _stand_lines(kind: ObjectType) -> Iterator[str]:
 
 def _tree_lines(kind: ObjectType, node: str, label: str, indent: str) -> Iterator[str]:
     tree, row = kind.tree, kind.tree.nodes[node]
-    place = f" at {_row(row['at'])}" if node else ""
-    sort = "" if row["type"] == label else f": {row['type']}"
-    yield f"{indent}{row['kind']} {label}{sort}{place}{_looks(tree, node)}{_learned_count(kind, node)}"
-    for part in tree.successors(node):
-        if tree.nodes[part]["kind"] != "appearance":
+    place = f" at {_row(row.at)}" if node else ""
+    sort = "" if row.type == label else f": {row.type}"
+    yield f"{indent}{row.kind} {label}{sort}{place}{_looks(tree, node)}{_learned_count(kind, node)}"
+    for part in row.below:
+        if tree.nodes[part].kind != "appearance":
             yield from _tree_lines(kind, part, part.rsplit("/", 1)[-1], f"{indent}  ")
 
 
@@ -167,10 +166,9 @@ def learned_counts(kind: ObjectType) -> dict[str, int]:
     return {nodes[part]: number for part, number in sorted(Counter(kind.learned.part.tolist()).items())}
 
 
-def _looks(tree: nx.DiGraph, node: str) -> str:
-    types = Counter(
-        tree.nodes[part]["type"] for part in tree.successors(node) if tree.nodes[part]["kind"] == "appearance"
-    )
+def _looks(tree: Tree, node: str) -> str:
+    below = (tree.nodes[part] for part in tree.nodes[node].below)
+    types = Counter(part.type for part in below if part.kind == "appearance")
     looks = ", ".join(name if number == 1 else f"{name} x{number}" for name, number in types.items())
     return f", looks like {looks}" if looks else ""
 
@@ -192,7 +190,7 @@ def part_rows(kind: ObjectType) -> list[dict[str, Any]]:
     return [
         {
             "name": node.rsplit("/", 1)[-1] or kind.name,
-            "under": next((objects[above] for above in kind.tree.predecessors(node)), None),
+            "under": None if (above := kind.tree.nodes[node].above) is None else objects[above],
             "counts": dict(sorted(own.items())),
         }
         for node, own in zip(objects, counts, strict=True)
@@ -213,7 +211,7 @@ def _parts_of(kind: ObjectType, features: Iterable[Feature]) -> list[int]:
     objects = _objects(kind)
 
     def part(node: str) -> int:
-        above = next(iter(kind.tree.predecessors(node)), "") if node in kind.tree else node.rpartition("/")[0]
+        above = (kind.tree.nodes[node].above or "") if node in kind.tree.nodes else node.rpartition("/")[0]
         return objects[above] if above in objects else part(above)
 
     return [part(feature.name) for feature in features]
@@ -249,7 +247,7 @@ def tree_document(kb: KnowledgeBase) -> dict[str, Any]:
 
 def _type_document(kind: ObjectType) -> dict[str, Any]:
     surface, counts = kind.surface, learned_counts(kind)
-    nodes = [_node_document(kind.tree, node) for node in kind.tree]
+    nodes = [_node_document(*item) for item in kind.tree.nodes.items()]
     if kind.learned is not None:
         nodes = [row | {"learned_features": counts.get(row["id"], 0)} for row in nodes]
     return {
@@ -264,14 +262,12 @@ def _type_document(kind: ObjectType) -> dict[str, Any]:
     }
 
 
-def _node_document(tree: nx.DiGraph, node: str) -> dict[str, Any]:
-    row, above = tree.nodes[node], list(tree.predecessors(node))
-    head = {"id": node, "parent": above[0] if above else None, "kind": row["kind"], "type": row["type"]}
-    if row["kind"] == "appearance":
-        return head | {"lobe": _lobe_document(row["viewpoint"])}
-    frame = tree.edges[above[0], node]["parent_from_child"] if above else np.eye(4)
-    arms = {"arms": row["arms"].tolist()} if row["kind"] == "feature" else {}
-    return head | {"parent_from_node": np.asarray(frame).tolist()} | arms
+def _node_document(name: str, node: Node) -> dict[str, Any]:
+    head = {"id": name, "parent": node.above, "kind": node.kind, "type": node.type}
+    if node.kind == "appearance":
+        return head | {"lobe": _lobe_document(node.viewpoint)}
+    arms = {"arms": node.arms.tolist()} if node.kind == "feature" else {}
+    return head | {"parent_from_node": node.parent_from_node.tolist()} | arms
 
 
 def _lobe_document(lobe: Lobe | None) -> dict[str, Any] | None:

@@ -5,12 +5,12 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-import networkx as nx
 import numpy as np
 
 if TYPE_CHECKING:
     from collections.abc import Iterable
 
+    import networkx as nx
     from numpy.typing import NDArray
 
     from kb.surfaces.surface import Surface
@@ -37,13 +37,16 @@ def faces(surface: Surface) -> tuple[Face, ...]:
     A flat region that is not convex is cut: neighbours join while they stay convex, so no two of its faces could be
     one.
     """
-    normals, graph = normals_of(surface), _flat_neighbours(surface)
+    normals, links = normals_of(surface), _flat_neighbours(surface)
     alone = _triangle_loops(surface, normals)
-    groups: list[tuple[frozenset[int], tuple[int, ...]]] = []
-    for region in nx.connected_components(graph):
-        one = min(region)
-        whole = alone[one] if len(region) == 1 else _convex_loop(surface, region, normals[one])
-        groups += [(frozenset(region), whole)] if whole else _cut(surface, region, graph, normals[min(region)])
+    loops = {
+        region: alone[region[0]] if len(region) == 1 else _convex_loop(surface, region, normals[region[0]])
+        for region in _regions(len(surface.triangles), links)
+    }
+    groups = [(frozenset(region), loop) for region, loop in loops.items() if loop]
+    if concave := [region for region, loop in loops.items() if not loop]:
+        graph = _graph(len(surface.triangles), links)
+        groups += [piece for region in concave for piece in _cut(surface, region, graph, normals[region[0]])]
     groups.sort(key=lambda group: min(group[0]))
     return tuple(Face(loop, normals[min(inside)], tuple(sorted(inside))) for inside, loop in groups)
 
@@ -66,13 +69,39 @@ def edge_facets(surface: Surface) -> dict[tuple[int, int], list[int]]:
     return found
 
 
-def _flat_neighbours(surface: Surface) -> nx.Graph:
-    """The graph of the facets, linked where they share an edge and a plane."""
-    normals, graph = normals_of(surface), nx.Graph()
-    graph.add_nodes_from(range(len(surface.triangles)))
-    for facets in edge_facets(surface).values():
-        if len(facets) == 2 and np.linalg.norm(normals[facets[0]] - normals[facets[1]]) < COPLANAR:
-            graph.add_edge(*facets)
+def _flat_neighbours(surface: Surface) -> list[tuple[int, int]]:
+    """The pairs of facets that share an edge and a plane."""
+    normals = normals_of(surface)
+    pairs = [(facets[0], facets[1]) for facets in edge_facets(surface).values() if len(facets) == 2]
+    return [(a, b) for a, b in pairs if np.linalg.norm(normals[a] - normals[b]) < COPLANAR]
+
+
+def _regions(count: int, links: Iterable[tuple[int, int]]) -> list[tuple[int, ...]]:
+    """The facets that hang together by links, each region in ascending order."""
+    beside: list[list[int]] = [[] for _ in range(count)]
+    for a, b in links:
+        beside[a].append(b)
+        beside[b].append(a)
+    seen, found = [False] * count, list[tuple[int, ...]]()
+    for first in range(count):
+        region = [] if seen[first] else [first]
+        seen[first] = True
+        for facet in region:  # it grows while we go through it
+            new = [other for other in dict.fromkeys(beside[facet]) if not seen[other]]
+            for other in new:
+                seen[other] = True
+            region += new
+        found += [tuple(sorted(region))] if region else []
+    return found
+
+
+def _graph(count: int, links: Iterable[tuple[int, int]]) -> nx.Graph:
+    """The facets and their links; few surfaces need it, and networkx is long to import."""
+    import networkx as nx
+
+    graph = nx.Graph()
+    graph.add_nodes_from(range(count))
+    graph.add_edges_from(links)
     return graph
 
 

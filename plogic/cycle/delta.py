@@ -12,7 +12,6 @@ from dataclasses import dataclass, field, replace
 from itertools import combinations
 from typing import NamedTuple
 
-import networkx as nx
 import numpy as np
 
 from geometry.arrays import Floats, Mask
@@ -23,6 +22,7 @@ from geometry.visibility.roc import Roc
 from kb.clouds.cloud import KnowledgeBase
 from kb.surfaces.surface import Surface
 from plogic.base.jobs import each
+from plogic.base.walk import roots
 from plogic.cycle.lumped import compound_parts, counts, lumped, told, told_as, types_told
 from plogic.cycle.placing import gravity_of_view, space_of_view
 from plogic.cycle.planes import Setting
@@ -250,11 +250,10 @@ def unpruned(
 
 def instances(types: Mapping[str, str], exclusive: frozenset[tuple[str, str]]) -> dict[str, str]:
     """The instance that each hypothesis competes for, ``types`` by id: same type, connected by exclusion."""
-    graph = nx.Graph()
-    graph.add_nodes_from(types)
-    graph.add_edges_from((x, y) for x, y in exclusive if types[x] == types[y])
-    components = sorted(nx.connected_components(graph), key=lambda members: min(list(types).index(m) for m in members))
-    return {name: f"i{i}" for i, members in enumerate(components, 1) for name in members}
+    place = {name: i for i, name in enumerate(types)}
+    first = roots(len(place), ((place[x], place[y]) for x, y in exclusive if types[x] == types[y]))
+    number = {root: i for i, root in enumerate(sorted(set(first)), 1)}
+    return {name: f"i{number[root]}" for name, root in zip(types, first, strict=True)}
 
 
 def _hidden(

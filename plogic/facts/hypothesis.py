@@ -314,10 +314,8 @@ VERDICT = "worth", "surplus", "ev", "ev_reconsidered", "status", "why"
 
 def part_facts(object_type: ObjectType) -> tuple[PartFact, ...]:
     """A fact for every part and feature below the maximal object, in the tree's order."""
-    tree = object_type.tree
     return tuple(
-        PartFact(node, parent, attributes["kind"], attributes["type"])
-        for node, attributes in tree.nodes(data=True)
-        if node and attributes["kind"] != "appearance"
-        for parent in tree.predecessors(node)
+        PartFact(name, node.above, node.kind, node.type)
+        for name, node in object_type.tree.nodes.items()
+        if node.above is not None and node.kind != "appearance"
     )

@@ -55,8 +55,8 @@ def _row(kind: ObjectType, dv: dict[str, float]) -> dict[str, Any]:
 
 def _parts(kind: ObjectType) -> Iterator[dict[str, Any]]:
     """Objects and features below the whole, compounds' members too; appearances are no parts (A3)."""
-    nodes = [node for node, row in kind.tree.nodes(data=True) if row["kind"] != "appearance"]
-    tree = kind.tree.subgraph(nodes)
+    nodes = [name for name, node in kind.tree.nodes.items() if node.kind != "appearance"]
+    tree = kind.tree.graph.subgraph(nodes)
     below = {node: nx.descendants(tree, node) for node in nodes}
     some = [node for node in nodes if node and (tree.nodes[node]["kind"] == "object" or below[node])]
     for node in some:

@@ -80,9 +80,9 @@ def test_the_knowledge_base_is_one_that_can_be_perceived_with():
 
 def test_the_tree_says_what_the_features_say():
     kind = some_kb().types[1]
-    assert sum(row["kind"] == "feature" for _, row in kind.tree.nodes(data=True)) == len(kind.features)
-    assert np.array_equal(kind.tree.nodes["f007"]["at"], kind.features[7].at)
-    assert kind.tree.nodes["f007#0"]["type"] == kind.features[7].appearances[0].type
+    assert sum(node.kind == "feature" for node in kind.tree.nodes.values()) == len(kind.features)
+    assert np.array_equal(kind.tree.nodes["f007"].at, kind.features[7].at)
+    assert kind.tree.nodes["f007#0"].type == kind.features[7].appearances[0].type
 
 
 def test_the_same_seed_gives_the_same_content_and_the_digest_tells():

@@ -29,11 +29,15 @@ def tower(*more: Branch) -> Branch:
 
 def test_nodes_are_named_by_their_paths():
     tree = build_tree(tower())
-    assert list(tree) == ["", "body", "body/foot", "body/foot#0", "roof", "roof/apex", "roof/apex#0"]
-    assert tree.nodes["roof"]["type"] == "roof"
-    assert list(tree.successors("roof")) == ["roof/apex"]
-    assert tree.nodes["roof/apex#0"]["viewpoint"].half_angle == 1.0
-    assert nx.is_arborescence(tree)
+    assert (
+        list(tree.nodes)
+        == list(tree.graph)
+        == ["", "body", "body/foot", "body/foot#0", "roof", "roof/apex", "roof/apex#0"]
+    )
+    assert tree.nodes["roof"].type == tree.graph.nodes["roof"]["type"] == "roof"
+    assert list(tree.graph.successors("roof")) == list(tree.nodes["roof"].below) == ["roof/apex"]
+    assert tree.nodes["roof/apex#0"].viewpoint.half_angle == 1.0
+    assert nx.is_arborescence(tree.graph)
 
 
 def test_steps_add_with_the_local_rotations():
@@ -104,9 +108,9 @@ def test_a_place_of_no_node_is_an_error():
 @settings(max_examples=60, deadline=None)
 def test_laws_of_trees(root):
     tree = build_tree(root)
-    assert nx.is_arborescence(tree)
+    assert nx.is_arborescence(tree.graph)
     assert is_rigid(place(tree, ""))
-    for parent, child, step in tree.edges(data="parent_from_child"):
+    for parent, child, step in tree.graph.edges(data="parent_from_child"):
         assert place(tree, child) == pytest.approx(compose(place(tree, parent), step), abs=1e-9)
     maximal, every = features_of(tree)
     inner = {name for f in every for name in f.parts}

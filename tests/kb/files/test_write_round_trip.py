@@ -14,11 +14,13 @@ from kb.surfaces.symmetries import motions, symmetry_entries
 
 def assert_same_type(first, second):
     assert (first.name, first.opaque) == (second.name, second.opaque)
-    assert list(first.tree) == list(second.tree)
-    assert list(first.tree.edges) == list(second.tree.edges)
-    for edge in first.tree.edges:
+    assert list(first.tree.nodes) == list(second.tree.nodes)
+    assert list(first.tree.graph.edges) == list(second.tree.graph.edges)
+    for edge in first.tree.graph.edges:
         np.testing.assert_allclose(
-            first.tree.edges[edge]["parent_from_child"], second.tree.edges[edge]["parent_from_child"], atol=1e-12
+            first.tree.graph.edges[edge]["parent_from_child"],
+            second.tree.graph.edges[edge]["parent_from_child"],
+            atol=1e-12,
         )
     for a, b in zip(first.all_features, second.all_features, strict=True):
         assert (a.name, a.type, a.parts) == (b.name, b.type, b.parts)
@@ -64,8 +66,8 @@ def test_names_that_yaml_would_read_otherwise_are_quoted(tmp_path):
     text = OBJECT.replace("part: body", "part: 'null'").replace("feature: apex", 'feature: "1: [x] ä"')
     kb = read_kb(write_small(tmp_path / "a", object=text))
     write_kb(kb, tmp_path / "b")
-    assert list(read_kb(tmp_path / "b").type("tent").tree) == list(kb.type("tent").tree)
-    assert "null" in kb.type("tent").tree
+    assert list(read_kb(tmp_path / "b").type("tent").tree.nodes) == list(kb.type("tent").tree.nodes)
+    assert "null" in kb.type("tent").tree.nodes
 
 
 @settings(max_examples=40, deadline=None)
