@@ -11,29 +11,22 @@
 K and D are those of the raw picture. Of an echoed message the binning and the region of interest are applied, so that
 the camera is that of the pictures that the driver sends.
 
-YAML is read safely: plain data and OpenCV's matrices, no other tag, no duplicate key, no YAML bomb; XML without
-entities. What `ros2 topic echo` prints between messages, such as that one was lost, is passed over.
+YAML is read safely (`geometry.files.calibration_yaml`), XML without entities. What
+`ros2 topic echo` prints between messages, such as that one was lost, is passed over.
 """
 
 import re
 from collections.abc import Iterator, Mapping
 from typing import TYPE_CHECKING, Any, TypeGuard
 
-from ruamel.yaml import YAML
-from ruamel.yaml.composer import MaxDepthExceededError
-from ruamel.yaml.constructor import SafeConstructor
-from ruamel.yaml.error import MarkedYAMLError, YAMLError
-
 from geometry.camera import camera_mistakes
-from geometry.digits import TOO_LONG, start_of_too_long, whole
+from geometry.digits import whole
 from geometry.errors import CameraError, told
 from geometry.files.xml_files import XMLMistakeError, root_of
 
 if TYPE_CHECKING:
     from xml.etree.ElementTree import Element
 
-MAX_DEPTH = 20
-"""Levels of nesting: a calibration has four."""
 MAX_CHARS = 100_000  # a calibration is some hundreds, and 50,000 a second are read
 
 Size = tuple[int, int] | None  # width, height px, where the file states none
@@ -113,15 +106,17 @@ def is_foreign(content: object) -> TypeGuard[Mapping[Any, Any]]:
 
 def _message(text: str) -> object:
     """One document of a text; where it is no YAML, without the lines that a tool printed between those of a message."""
+    from geometry.files.calibration_yaml import read_yaml  # most cameras are JSON
+
     try:
-        return read_yaml(text)
+        return read_yaml(text, MAX_CHARS)
     except CameraError:
         clean = "".join(
             line if _LINE.match(line) and not _WARNING.match(line) else "\n" for line in text.splitlines(keepends=True)
         )
         if clean == text:
             raise
-    return read_yaml(clean)
+    return read_yaml(clean, MAX_CHARS)
 
 
 def from_calibration(content: Mapping[Any, Any], size: Size, text: str) -> dict[str, Any]:
@@ -247,45 +242,3 @@ def _value_of(element: "Element") -> object:
     text = (element.text or "").strip()
     number = whole(text, 10**9)  # no width is as large
     return _number(text) if number is None else number
-
-
-class _Constructor(SafeConstructor):
-    """Plain YAML, and `!!opencv-matrix` as the mapping that it is."""
-
-    def opencv_matrix(self, node: Any) -> dict[Any, Any]:  # noqa: ANN401 - ruamel's nodes have no common type
-        return dict(self.construct_mapping(node, deep=True))
-
-
-_Constructor.add_constructor("tag:yaml.org,2002:opencv-matrix", _Constructor.opencv_matrix)
-
-
-def read_yaml(text: str) -> object:
-    """The data in `text`: mappings, lists, texts, numbers.
-
-    Raises:
-        CameraError: with the line where it can, for anything else.
-    """
-    if len(text) > MAX_CHARS:
-        raise CameraError(f"must be a calibration of at most {MAX_CHARS} characters, not {len(text)}")
-    loader = YAML(typ="safe", pure=True)
-    loader.Constructor, loader.max_depth = _Constructor, MAX_DEPTH
-    try:
-        return loader.load(_without_directive(text))
-    except MarkedYAMLError as error:
-        mark = error.problem_mark or error.context_mark
-        deep = isinstance(error, MaxDepthExceededError)
-        why = (
-            f"nested deeper than {MAX_DEPTH} levels" if deep else " ".join(str(error.problem or error.context).split())
-        )
-        raise CameraError(f"is not plain YAML: {why}", line=None if mark is None else mark.line + 1) from error
-    except (YAMLError, ValueError, RecursionError, TypeError, AssertionError) as error:  # the last of a %YAML 1.23
-        start = start_of_too_long(text, "#.*")
-        if start is not None:
-            raise CameraError(TOO_LONG, line=text.count("\n", 0, start) + 1) from None
-        why = " ".join(str(error).split())[:120]
-        raise CameraError(f"is not plain YAML: {why}") from error
-
-
-def _without_directive(text: str) -> str:
-    """`text` with OpenCV's `%YAML:1.0`, which is no YAML, made a comment: lines keep their numbers."""
-    return f"#{text}" if text.startswith("%YAML:") else text

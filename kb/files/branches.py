@@ -1,22 +1,26 @@
 """From a document that an author wrote to the tree's description, and to what is wrong with it.
 
-Any document has an outline, so that mistakes are sought in one that does not fit the schema too. What pydantic finds
-wrong is told in our words and at its place.
+Any document has an outline, so that mistakes are sought in one that does not fit the schema too.
 """
 
-from collections.abc import Iterator, Mapping, Sequence
-from typing import Any, TypeVar
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from numpy.typing import NDArray
-from pydantic import BaseModel, ValidationError
-from pydantic_core import ErrorDetails
 
 from geometry.frames import rotation_from_quat_xyzw, turn_about
 from kb.clouds.lobes import Branch, Kind, Lobe
-from kb.errors import Mistake
-from kb.files.folder import Document, Keys
-from kb.files.schema import AppearanceModel, FeatureModel, KBModel, ObjectModel, PartModel, RotationModel
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator, Sequence
+
+    from numpy.typing import NDArray
+
+    from kb.errors import Mistake
+    from kb.files.folder import Document, Keys
+    from kb.files.schema import AppearanceModel, FeatureModel, KBModel, ObjectModel, PartModel, RotationModel
 
 LISTS: dict[str, Kind] = {"parts": "object", "features": "feature", "appearances": "appearance"}
 """The keys whose lists hold what a node is made of, in the order of ``Branch.parts``, and what they should hold."""
@@ -129,65 +133,11 @@ def misplaced(raw: object) -> list[Keys]:
     return [path + step for path, entries in mixed for step, kind, _ in entries if LISTS[str(step[0])] != kind]
 
 
-Model = TypeVar("Model", bound=BaseModel)
-
-WORDS = {
-    "extra_forbidden": "unknown key",
-    "missing": "missing",
-    "model_type": "must be a mapping of keys to values",
-    "model_attributes_type": "must be a mapping of keys to values",
-    "dict_type": "must be a mapping of keys to values",
-    "list_type": "must be a list",
-    "tuple_type": "must be a list",
-}
-MAPPED = {
-    "mesh": "{file: mesh.obj, units: m}",
-    "cloud": "{file: cloud.npz}",
-    "lobe": "{axis: [0, 0, 1], half_angle: 60 deg, range: [0.2 m, 5 m]}",
-}
-"""Keys whose value is a mapping, each with one that would be right."""
-WHY_UNITS = "missing; no mesh format carries its unit, so it must be stated, as in 'units: m'"
-
-
-def checked(model: type[Model], document: Document) -> tuple[Model | None, list[Mistake]]:
-    """The document as the model, or None and every mistake.
-
-    None for a document that was no YAML: that has been said.
-    """
-    if document.root is None and document.mistakes:
-        return None, []
-    if document.data is None and not document.mistakes:
-        return None, [document.mistake((), "the file is empty")]
-    try:
-        return model.model_validate(document.data), []
-    except ValidationError as error:
-        wrong = [_mistake(document, detail) for detail in error.errors(include_url=False, include_input=False)]
-        cut = [tuple(mistake.path.split(".")) for mistake in document.mistakes if mistake.message.startswith("A2")]
-        return None, without(wrong, cut)
-
-
 def without(mistakes: Sequence[Mistake], places: Sequence[Keys]) -> list[Mistake]:
     """The mistakes that are not at or below one of the places: of those another mistake has said what is wrong."""
     prefixes = {".".join(str(step) for step in place) for place in places if place}
     lengths = {len(prefix) for prefix in prefixes}
     return [m for m in mistakes if not any(m.path[n : n + 1] in ("", ".") and m.path[:n] in prefixes for n in lengths)]
-
-
-def _mistake(document: Document, detail: ErrorDetails) -> Mistake:
-    kind = detail["type"]
-    path: Keys = tuple(step for step in detail["loc"] if step != "[key]")
-    at_key = kind == "extra_forbidden" or "[key]" in detail["loc"]
-    return document.mistake(path, _message(kind, path, detail), key=at_key)
-
-
-def _message(kind: str, path: Keys, detail: ErrorDetails) -> str:
-    if kind == "missing" and path[-2:] == ("mesh", "units"):
-        return WHY_UNITS
-    if kind == "value_error":
-        return str(detail["ctx"]["error"])
-    if kind.startswith("model_") and path and path[-1] in MAPPED:
-        return f"{WORDS[kind]}, as in '{path[-1]}: {MAPPED[path[-1]]}'"
-    return WORDS.get(kind) or f"{detail['msg'][:1].lower()}{detail['msg'][1:]}"
 
 
 NONE = {

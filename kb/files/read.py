@@ -6,7 +6,7 @@ A learned cloud becomes features of its type.
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TypeVar
+from typing import TYPE_CHECKING, TypeVar
 
 import numpy as np
 
@@ -26,14 +26,17 @@ from kb.clouds.lobes import Feature, LobeTable, build_tree, features_of, object_
 from kb.clouds.words import MAX_BYTES as MAX_WORDS
 from kb.clouds.words import Words, dominant, read_words
 from kb.errors import CloudError, KBErrors, Mistake, SurfaceError
-from kb.files.branches import branch_of, checked, cross_mistakes, misplaced, nodes, outline, path_to, without
+from kb.files.branches import branch_of, cross_mistakes, misplaced, nodes, outline, path_to, without
 from kb.files.changes import settle
 from kb.files.folder import MAX_MESH_BYTES, Document, Folder, Keys
+from kb.files.kept_documents import Said, said
 from kb.files.kept_surfaces import kept_surface
-from kb.files.schema import CountsModel, KBModel, ObjectModel
-from kb.files.values import LENGTHS
+from kb.files.quantities import LENGTHS
 from kb.surfaces.surface import Surface
 from kb.surfaces.symmetries import motions
+
+if TYPE_CHECKING:
+    from kb.files.schema import CountsModel, KBModel, ObjectModel
 
 Kind = TypeVar("Kind")
 
@@ -169,7 +172,7 @@ class _Object:
     """One ``object.yaml``: its document, and what could be made of it."""
 
     document: Document
-    model: ObjectModel | None
+    model: "ObjectModel | None"
     surface: Surface | None
     rendered: Path | None
     scale: float
@@ -185,8 +188,8 @@ def read_kb(folder: Path | str, kept: Path | None = None, rules: str | None = No
 
     It is read as it is at one moment, whoever changes it meanwhile (``kb.files.changes``).
 
-    ``kept``: where surfaces that were read are kept from run to run. ``rules``: what is read instead of ``rules.pl``;
-    empty: as though there were none.
+    ``kept``: where documents and surfaces that were read are kept from run to run. ``rules``: what is read
+    instead of ``rules.pl``; empty: as though there were none.
 
     Raises:
         KBErrors: with every mistake of every file.
@@ -209,14 +212,14 @@ def read_kb(folder: Path | str, kept: Path | None = None, rules: str | None = No
 def _read_kb(place: Folder) -> KnowledgeBase:
     """The knowledge base as it is now. Raises KBErrors."""
     _check_folder(place)
-    document = place.document(place.root / "kb.yaml")
-    if document is None:
+    file = place.root / "kb.yaml"
+    if place.content(file) is None:
         raise KBErrors(place.mistakes)
-    model, wrong = checked(KBModel, document)
-    before = len(place.mistakes)
     files = _object_files(place)
-    complete = len(place.mistakes) == before
-    objects = [item for path in files if (item := _object(place, path)) is not None]
+    complete = not place.mistakes
+    whole, said_of_objects = said(place, file, files)
+    document, model, wrong = whole.document, whole.model, whole.mistakes
+    objects = [item for one in said_of_objects if (item := _object(place, one)) is not None]
     rules, words = _rules(place), words_of(place, document)
     for item in objects:
         check_learned(place, item.document, item.learned, words)
@@ -261,12 +264,9 @@ def _object_files(place: Folder) -> list[Path]:
     return [path / "object.yaml" for path in there if not path.name.startswith(".")]
 
 
-def _object(place: Folder, path: Path) -> _Object | None:
-    document = place.document(path)
-    if document is None:
-        return None
-    model, wrong = checked(ObjectModel, document)
-    place.mistakes.extend(without(wrong, misplaced(document.data)))
+def _object(place: Folder, told: "Said[ObjectModel]") -> _Object | None:
+    document, model = told.document, told.model
+    place.mistakes.extend(without(told.mistakes, misplaced(document.data)))
     if not isinstance(document.data, dict):
         return None
     wrong = [
@@ -283,9 +283,10 @@ def _object(place: Folder, path: Path) -> _Object | None:
     place.mistakes += wrong
     units = mesh.get("units") if isinstance(mesh, dict) else None
     scale = LENGTHS.get(units, 1.0) if isinstance(units, str) else 1.0
-    mesh_file, surface = _surface(place, document, path.parent, scale)
-    rendered = _textured(place, document, path.parent) or mesh_file
-    return _Object(document, model, surface, rendered, scale, learned_of(place, document, path.parent))
+    folder = (place.root / document.file).parent
+    mesh_file, surface = _surface(place, document, folder, scale)
+    rendered = _textured(place, document, folder) or mesh_file
+    return _Object(document, model, surface, rendered, scale, learned_of(place, document, folder))
 
 
 def _surface(place: Folder, document: Document, folder: Path, scale: float) -> tuple[Path | None, Surface | None]:
@@ -294,7 +295,7 @@ def _surface(place: Folder, document: Document, folder: Path, scale: float) -> t
     if path is not None and content is not None:
         place.read_sides(path, content)
         try:
-            return place.at(path), kept_surface(place.at(path), content, scale, place.kept)
+            return place.at(path), kept_surface(place.at(path), content, scale, place.kept and place.kept / "surfaces")
         except SurfaceError as error:
             place.mistakes.append(document.mistake(("mesh", "file"), str(error)))
     return None, None
@@ -323,7 +324,7 @@ def _rules(place: Folder) -> str:
         return ""
 
 
-def _type(model: ObjectModel, item: _Object, words: Words | None) -> ObjectType:
+def _type(model: "ObjectModel", item: _Object, words: Words | None) -> ObjectType:
     tree = build_tree(branch_of(model))
     features, all_features = features_of(tree)
     seen = features
@@ -345,12 +346,12 @@ def _type(model: ObjectModel, item: _Object, words: Words | None) -> ObjectType:
         learned=item.learned,
         learned_lobes=lobes,
         learned_features=seen if item.learned is not None else None,
-        stands=None if model.stands is None else tuple(Stand(one.down, one.weight) for one in model.stands),
+        stands=None if model.stands is None else tuple(Stand(tuple(one.down), one.weight) for one in model.stands),
     )
 
 
 def _knowledge_base(
-    place: Folder, model: KBModel, types: tuple[ObjectType, ...], rules: str, words: Words | None
+    place: Folder, model: "KBModel", types: tuple[ObjectType, ...], rules: str, words: Words | None
 ) -> KnowledgeBase:
     named, gravity = words.names if words is not None else (), model.gravity
     return KnowledgeBase(
@@ -370,7 +371,7 @@ def _knowledge_base(
     )
 
 
-def _rates(model: KBModel, types: tuple[ObjectType, ...], words: tuple[str, ...]) -> Rates:
+def _rates(model: "KBModel", types: tuple[ObjectType, ...], words: tuple[str, ...]) -> Rates:
     detector = model.detector
     kinds = sorted({feature.type for kind in types for feature in kind.all_features})
     return Rates(
@@ -385,7 +386,7 @@ def _rates(model: KBModel, types: tuple[ObjectType, ...], words: tuple[str, ...]
     )
 
 
-def _counts(model: CountsModel) -> Counts:
+def _counts(model: "CountsModel") -> Counts:
     tables = (
         {name: (pair[0], pair[1]) for name, pair in table.items()} for table in (model.hit, model.clutter, model.prior)
     )

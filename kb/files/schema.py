@@ -4,9 +4,9 @@ Vocabulary: ``KBModel(name="towers", ...)``, ``ObjectModel(object="t1", ...)``. 
 """
 
 import math
-from typing import Annotated, Any, ClassVar, Literal, Self
+from typing import Annotated, Any, Literal, Self
 
-from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, WithJsonSchema, model_validator
+from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, WithJsonSchema, computed_field, model_validator
 
 from kb.clouds.cloud import UNKNOWN_SUPPORT
 from kb.files.values import (
@@ -219,8 +219,6 @@ class DetectorModel(Model):
 class GravityModel(Model):
     """That things rest, and what is not known of it."""
 
-    certain: ClassVar[bool] = True
-    """Whether worlds in which something floats are less probable."""
     rests: Odds = Field(
         1.0 - UNKNOWN_SUPPORT, description="Chance that a thing rests on another, a plane or the ground."
     )
@@ -241,6 +239,13 @@ class GravityModel(Model):
             )
         return self
 
+    @computed_field  # type: ignore[prop-decorator]
+    @property
+    def certain(self) -> bool:
+        """Whether worlds in which something floats are less probable."""
+        return True
+
+    @computed_field  # type: ignore[prop-decorator]
     @property
     def floats(self) -> float:
         """Chance that something unknown holds what floats, whichever way it is said."""
@@ -256,7 +261,11 @@ MAYBE = "maybe"
 class _Maybe(GravityModel):
     """``gravity: maybe``: things rest, it is likely, on planes that nobody knows."""
 
-    certain: ClassVar[bool] = False
+    @computed_field  # type: ignore[prop-decorator]
+    @property
+    def certain(self) -> bool:
+        """They need not."""
+        return False
 
 
 def _gravity(value: object) -> object:

@@ -15,8 +15,8 @@ from geometry.files.documents import read_json
 from geometry.files.plain_files import is_there, must_be_plain
 from geometry.frames import quat_xyzw_from_rotation
 from kb.errors import IntakeError
+from kb.files.quantities import LARGEST, LENGTHS
 from kb.files.schema import SymmetryModel
-from kb.files.values import LARGEST, LENGTHS
 from kb.files.write import flow
 from kb.surfaces.symmetries import motions
 

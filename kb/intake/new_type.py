@@ -20,8 +20,8 @@ from numpy.typing import NDArray
 
 from geometry.bodies.resting import resting_faces
 from kb.errors import IntakeError
+from kb.files.quantities import LENGTHS
 from kb.files.schema import json_schema
-from kb.files.values import LENGTHS
 from kb.files.write import flow
 from kb.intake.links import named
 from kb.intake.source import MAX_FILE_BYTES, Source, painted_files

@@ -21,7 +21,7 @@ from geometry.files.side_files import homes, inside
 from geometry.files.xml_files import XMLMistakeError, root_of
 from geometry.frames import from_rotation_translation
 from kb.errors import IntakeError
-from kb.files.values import LARGEST
+from kb.files.quantities import LARGEST
 from kb.intake.source import GREY, Piece, Source, copied, read_source
 
 Frame = NDArray[np.float64]

@@ -26,8 +26,9 @@ from geometry.files.plain_files import content_of
 from geometry.frames import inverse, transform_points
 from geometry.poses.register import LEAST_POINTS_CALIBRATED, LEAST_POINTS_UNCALIBRATED, Registration, register, suspect
 from kb.errors import IntakeError, KBErrors, Mistake
-from kb.files.folder import Document, load
-from kb.files.values import LENGTHS
+from kb.files.folder import Document
+from kb.files.quantities import LENGTHS
+from kb.files.yaml_text import load
 from kb.learning.observations import Observations
 from kb.surfaces.surface import Surface
 

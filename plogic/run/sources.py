@@ -96,7 +96,7 @@ def kb_of(folder: str) -> "KnowledgeBase":
     from plogic.logic.safety.author import author_rules
     from plogic.scene.text.rules import defined
 
-    kb = read_kb(kb_folder(folder), cache_folder("surfaces"))
+    kb = read_kb(kb_folder(folder), cache_folder(""))
     author_rules(kb.rules, Names({}, {}), defined())
     return kb
 

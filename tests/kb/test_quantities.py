@@ -5,7 +5,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 from pydantic import TypeAdapter
 
-from kb.files.values import ANGLES, LENGTHS, Units, angle, length, number
+from kb.files.quantities import ANGLES, LENGTHS, angle, length, number
+from kb.files.values import Units
 
 
 @pytest.mark.parametrize(

@@ -12,7 +12,7 @@ from kb.clouds.cloud import KnowledgeBase, ObjectType
 from kb.clouds.learned import LearnedCloud, cloud_bytes
 from kb.clouds.words import Words, words_bytes
 from kb.files.changes import Writer
-from kb.files.folder import load
+from kb.files.yaml_text import load
 from kb.learning.compounds import with_parts
 from kb.learning.symmetry_trials import Trial, entries
 from kb.shown.cautions import UNPAINTED

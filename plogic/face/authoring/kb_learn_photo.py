@@ -17,7 +17,7 @@ from kb.clouds.cloud import KnowledgeBase, ObjectType
 from kb.clouds.learned import LearnedCloud
 from kb.clouds.words import Words
 from kb.files.changes import Writer
-from kb.files.folder import load
+from kb.files.yaml_text import load
 from kb.intake.new_type import NewType, check_name, new_type
 from kb.intake.source import png, read_source
 from kb.learning.compounds import with_parts

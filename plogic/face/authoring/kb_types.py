@@ -19,8 +19,9 @@ from ruamel.yaml.nodes import MappingNode, Node, SequenceNode
 from geometry.files.plain_files import IS_FOLDER, IS_MISSING, fault_of, is_there
 from kb.clouds.cloud import KnowledgeBase, ObjectType
 from kb.files.changes import AT_ONCE, Writer, writing
-from kb.files.folder import MAX_BYTES, load
+from kb.files.folder import MAX_BYTES
 from kb.files.write import obj_text, object_text
+from kb.files.yaml_text import load
 from kb.intake.bop_models import bop_models, bop_symmetries
 from kb.intake.example_type import example_files
 from kb.intake.new_type import EDITOR_LINE, NewType, check_name, new_kb_files, new_type, schema_files

@@ -103,7 +103,7 @@ def _same_but_rules(document: Interpretation, kb: KnowledgeBase) -> bool:
     """Whether it was made with this knowledge base under other rules, which are no cause that a type is missing."""
     if kb.folder is None:
         return False
-    before = read_kb(kb.folder, cache_folder("surfaces"), document["rules"])
+    before = read_kb(kb.folder, cache_folder(""), document["rules"])
     return before.digest == document["kb"]["digest"]
 
 

@@ -15,9 +15,9 @@ from console import bytes_in, document, good, plogic
 from made_meshes import box_triangles, obj_text, write_box, write_painted
 
 from kb.files.folder import shipped
+from kb.files.quantities import LENGTHS
 from kb.files.read import read_kb
 from kb.files.schema import json_schema
-from kb.files.values import LENGTHS
 from plogic.face.authoring.kb_group import UNITS
 from sensing.simulated.body import read_mesh
 

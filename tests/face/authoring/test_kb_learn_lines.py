@@ -11,7 +11,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from kb.files.folder import load
+from kb.files.yaml_text import load
 from plogic.base.errors import InputError
 from plogic.face.authoring.kb_types import with_entry
 

@@ -8,8 +8,8 @@ from small_kb import KB, MESH, write_small
 
 from kb.errors import KBErrors
 from kb.files.branches import held, path_to, without
-from kb.files.folder import load
 from kb.files.read import read_kb
+from kb.files.yaml_text import load
 
 MANY = 30_000
 

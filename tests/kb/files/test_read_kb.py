@@ -5,8 +5,9 @@ import pytest
 from small_kb import KB, MESH, OBJECT, write_small
 
 from kb.errors import KBError, KBErrors
-from kb.files.folder import load, shipped
+from kb.files.folder import shipped
 from kb.files.read import read_kb
+from kb.files.yaml_text import load
 
 OBJECT_FILE = "objects/tent/object.yaml"
 
@@ -315,7 +316,7 @@ def test_an_object_whose_name_is_no_text(name, tmp_path):
 
 @pytest.mark.parametrize("pure", [True, False])
 def test_plain_values_mean_the_same_with_and_without_libyaml(pure, monkeypatch):
-    monkeypatch.setattr("kb.files.folder._may_be_deep", lambda _: pure)
+    monkeypatch.setattr("kb.files.yaml_text._may_be_deep", lambda _: pure)
     text = b"[yes, 010, 1e3, .5, 12:30:00, 2020-01-01, 0x10, 1_000, ~, '1', \"a\", -3, null, True, <<, no]"
     expected = [
         "yes",

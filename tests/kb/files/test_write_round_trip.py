@@ -5,10 +5,11 @@ from hypothesis import strategies as st
 from small_kb import OBJECT, write_small
 from written_kb import kb_files, write_kb
 
-from kb.files.folder import load, shipped
+from kb.files.folder import shipped
 from kb.files.read import read_kb
 from kb.files.schema import SymmetryModel
 from kb.files.write import flow
+from kb.files.yaml_text import load
 from kb.surfaces.symmetries import motions, symmetry_entries
 
 

@@ -2,8 +2,8 @@
 
 import pytest
 
-from kb.files import folder
-from kb.files.folder import MAX_NODES, SLOWLY_READ, load
+from kb.files import yaml_text
+from kb.files.yaml_text import MAX_NODES, SLOWLY_READ, load
 
 ROWS = "- {a: [1, 2, 3], b: 'x y', c: 1.5e3}\n"
 
@@ -30,7 +30,7 @@ def test_what_would_take_long_is_refused(text, why):
 @pytest.mark.parametrize("rows", [10, 2000])
 def test_a_mistake_at_the_end_is_told_at_its_place_by_one_parser_or_the_other(rows, monkeypatch):
     asked = []
-    composed = folder._composed
-    monkeypatch.setattr(folder, "_composed", lambda text, *, pure: asked.append(pure) or composed(text, pure=pure))
+    composed = yaml_text._composed
+    monkeypatch.setattr(yaml_text, "_composed", lambda text, *, pure: asked.append(pure) or composed(text, pure=pure))
     assert wrong(ROWS * rows + "- [1, 2").startswith((f"x.yaml:{rows + 1}:", f"x.yaml:{rows + 2}:1: no YAML"))
     assert asked == ([False, True] if rows == 10 else [False])
