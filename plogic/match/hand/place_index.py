@@ -244,14 +244,15 @@ def neighbours(cells: ViewCells) -> Indices:
     if near < 2:
         return np.zeros((0, 3), np.intp)
     x, y = np.moveaxis(cells.xy, 2, 0)
-    apart = (x[:, :, None] - x[:, None]) ** 2 + (y[:, :, None] - y[:, None]) ** 2
-    apart[~(cells.visible[:, :, None] & cells.visible[:, None])] = np.inf
-    apart[:, np.arange(count), np.arange(count)] = np.inf
-    order = np.argsort(apart, axis=2, kind="stable")[:, :, :near]
-    there = np.isfinite(np.take_along_axis(apart, order, axis=2))
+    cell, first = np.nonzero(cells.visible)
+    apart = (x[cell, first, None] - x[cell]) ** 2 + (y[cell, first, None] - y[cell]) ** 2
+    apart[~cells.visible[cell]] = np.inf
+    apart[np.arange(len(first)), first] = np.inf
+    order = np.argsort(apart, axis=1, kind="stable")[:, :near]
+    there = np.isfinite(np.take_along_axis(apart, order, axis=1))
     one, other = np.array(list(combinations(range(near), 2)), np.intp).T
-    cell, first, pair = np.nonzero(there[:, :, one] & there[:, :, other])
-    three = first, order[cell, first, one[pair]], order[cell, first, other[pair]]
+    row, pair = np.nonzero(there[:, one] & there[:, other])
+    three = first[row], order[row, one[pair]], order[row, other[pair]]
     least, most = np.minimum.reduce(three), np.maximum.reduce(three)
     middle = sum(three) - least - most
     code, often = np.unique((least * count + middle) * count + most, return_counts=True)
