@@ -19,12 +19,13 @@ from kb.clouds.cloud import KnowledgeBase, ObjectType
 from plogic.base.errors import InputError
 from plogic.face.commands.scene_types import Standing, box_of, checked_names, drawn, framed, standing
 from plogic.run.bop.write import Kind, write_dataset
+from plogic.run.kept_meshes import mesh_of
 from plogic.run.simulated_gamma import Obstacle, Posed, Reported, check_written, simulated_gamma
 from plogic.run.sources import kb_of
 from sensing.files.gamma_files import gamma_to_dict
 from sensing.files.two_folders import finish, two_new_folders
 from sensing.files.whole_files import check_new_folder, write_folder
-from sensing.simulated.body import TexturedMesh, read_mesh
+from sensing.simulated.body import TexturedMesh
 from sensing.simulated.framing import Framing
 from sensing.simulated.physics import INSTALL, NO_PHYSICS, has_physics
 from sensing.simulated.robot import Robot, write_tour
@@ -136,7 +137,7 @@ def _views(moves: str) -> int:
 
 def standings_of(kinds: Sequence[ObjectType], *, boxes: bool = False) -> list[Standing]:
     """What is put down for each type; ``boxes``: a box for one without a mesh, which else is an InputError."""
-    return [standing(kind, box_of(kind) if boxes and kind.mesh_file is None else _mesh(kind)) for kind in kinds]
+    return [standing(kind, box_of(kind) if boxes and kind.mesh_file is None else mesh_of(kind)) for kind in kinds]
 
 
 def scene_of(
@@ -215,17 +216,10 @@ def shapes_of(kb: KnowledgeBase, names: Sequence[str] | None = None) -> list[tup
     Raises InputError where a type has none.
     """
     types = kb.types if names is None else [kb.type(name) for name in names]
-    return [(t.name, _mesh(t)) for t in types]
+    return [(t.name, mesh_of(t)) for t in types]
 
 
 def tell_without_physics(say: Callable[[str], None]) -> None:
     """Say how pictures are made on this machine where pybullet is not installed."""
     if not has_physics():
         say(f"pictures are drawn by rays, and nothing falls or settles, for {NO_PHYSICS}: {INSTALL}")
-
-
-def _mesh(object_type: ObjectType) -> TexturedMesh:
-
-    if object_type.mesh_file is None:
-        raise InputError(f"{object_type.name}: has no mesh, so that it cannot be rendered")
-    return read_mesh(object_type.mesh_file, object_type.mesh_scale)
