@@ -156,7 +156,7 @@ def _weighted_median(values: Floats, weights: Floats) -> Floats:
     counts = weights > 0
     row, number = np.arange(len(values)), counts.sum(axis=1)
     rising = np.sort(np.where(counts, values, np.inf), axis=1)
-    middle = rising[row, (number - 1) // 2] + rising[row, number // 2]  # numpy's nanmedian imports masked arrays
+    middle = rising[row, (number - 1) // 2] + rising[row, number // 2]  # an eighth of nanmedian's time
     return np.where(number > 0, middle / 2, 0.0)
 
 
@@ -203,9 +203,10 @@ def _covered(longer: Floats, others: Floats) -> Mask:
     """Which of (N, 4) ``others`` lie along ``longer`` (4,) by more than half, in either sense."""
     along, normal, length = (x[0] for x in directions(longer[None]))
     ends = others.reshape(-1, 2, 2) - longer[:2]
-    t, across = np.sort(ends @ along, axis=1), np.abs(ends @ normal).max(axis=1)
-    shared = np.minimum(t[:, 1], length) - np.maximum(t[:, 0], 0)
-    return np.asarray((across < 2.0) & (shared > 0.5 * (t[:, 1] - t[:, 0])))
+    (a, b), (c, d) = (ends @ along).T, np.abs(ends @ normal).T
+    first, last = np.minimum(a, b), np.maximum(a, b)
+    shared = np.minimum(last, length) - np.maximum(first, 0)
+    return np.asarray((np.maximum(c, d) < 2.0) & (shared > 0.5 * (last - first)))
 
 
 def _weak_edges(grey: NDArray[np.float32]) -> Floats:
@@ -288,11 +289,11 @@ def _mates(one: Floats, others: Floats, other_along: Floats, other_length: Float
     """Which of (N, 4) ``others``, of these directions (N, 2) and lengths (N,), continue ``one`` (4,)."""
     along, normal, length = (x[0] for x in directions(one[None]))
     ends = others.reshape(-1, 2, 2) - one[:2]
-    t, across = ends @ along, np.abs(ends @ normal)
-    gap = np.maximum(t.min(axis=1) - length, -t.max(axis=1))
+    (a, b), (c, d) = (ends @ along).T, np.abs(ends @ normal).T
+    gap = np.maximum(np.minimum(a, b) - length, -np.maximum(a, b))
     straight = other_along @ along > np.cos(MERGE_ANGLE)
     limit = MERGE_OFFSET + 0.02 * np.maximum(gap, 0)
-    close = (across.max(axis=1) < limit + 0.02 * other_length) & (across.min(axis=1) < limit)
+    close = (np.maximum(c, d) < limit + 0.02 * other_length) & (np.minimum(c, d) < limit)
     return np.asarray(straight & close & (gap < 4 + (length + other_length) / 6))
 
 
