@@ -7,11 +7,12 @@ of the version before, is run in turn with ours.
 from __future__ import annotations
 
 import json
+import os
 import shutil
 import subprocess
 import sys
 import tempfile
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 from time import perf_counter
 from typing import TYPE_CHECKING, Any
@@ -52,10 +53,11 @@ HELP, ASIDE_SHARE, KEPT = 0.3, 0.6, 1.1
 
 @dataclass(frozen=True)
 class Side:
-    """``script``, the console script of one plogic, and the ``folder`` in which it works."""
+    """``script``, the console script of one plogic, the ``folder`` in which it works, and its environment."""
 
     script: Path
     folder: Path
+    environment: Mapping[str, str] = field(default_factory=lambda: dict(os.environ))
 
     def seconds(self, name: str) -> dict[str, float]:
         """Processor seconds of a command by its name; of ``perceive`` also those of all but the search.
@@ -72,12 +74,14 @@ class Side:
 
     def run(self, arguments: Sequence[str]) -> tuple[float, float]:
         """Seconds of the processor and of the wall clock."""
-        return _run([str(self.script), *arguments], self.folder)
+        return _run([str(self.script), *arguments], self.folder, self.environment)
 
 
-def _run(command: list[str], folder: Path) -> tuple[float, float]:
+def _run(command: list[str], folder: Path, environment: Mapping[str, str]) -> tuple[float, float]:
     before, start = processor_seconds(), perf_counter()
-    done = subprocess.run(command, cwd=folder, capture_output=True, text=True, check=False)  # noqa: S603 - our own
+    done = subprocess.run(  # noqa: S603 - our own
+        command, cwd=folder, env=dict(environment), capture_output=True, text=True, check=False
+    )
     used, wall = processor_seconds() - before, perf_counter() - start
     if done.returncode:
         raise RuntimeError(f"{' '.join(command)}: {done.stderr.strip()}")
@@ -88,19 +92,24 @@ def run(*, seed: int, quick: bool, peer: Path | None, as_json: bool, say: Callab
     """Run the benchmark; ``seed`` is of no use to it."""
     del seed
     with tempfile.TemporaryDirectory() as place:
-        sides = {"plogic": _side(Path(sys.executable).with_name("plogic"), Path(place, "ours"))}
+        sides = {"plogic": _side(Path(sys.executable).with_name("plogic"), Path(place, "ours"), os.environ)}
         if peer is not None:
-            sides["peer"] = _side(peer.absolute(), Path(place, "theirs"))
+            sides["peer"] = _side(peer.absolute(), Path(place, "theirs"), of_peer(os.environ))
         rows = [row for name in COMMANDS for row in _rows(name, sides, FEW if quick else ROUNDS, say)]
     text, met = report("start", rows, claims(rows), as_json=as_json)
     return (text if as_json else f"{CAPTION}\n\n{text}"), met
 
 
-def _side(script: Path, folder: Path) -> Side:
+def of_peer(environment: Mapping[str, str]) -> dict[str, str]:
+    """An environment without PYTHONPATH, which may lead to our own code: then the peer would be we ourselves."""
+    return {name: value for name, value in environment.items() if name != "PYTHONPATH"}
+
+
+def _side(script: Path, folder: Path, environment: Mapping[str, str]) -> Side:
     """The side made ready: what a command reads is there."""
     folder.mkdir()
     shutil.copy(Path(__file__).resolve().parents[2] / "examples" / "alarm.pl", folder)
-    side = Side(script, folder)
+    side = Side(script, folder, environment)
     side.run(("demo", "-o", "demo"))
     return side
 
@@ -109,7 +118,7 @@ def _rows(name: str, sides: Mapping[str, Side], rounds: int, say: Callable[[str]
     """Round by round each side in turn; a first round that is not counted fills the caches."""
     least: dict[str, dict[str, float]] = {}
     for number in range(rounds + 1):
-        numpy, _ = _run([sys.executable, "-c", "import numpy"], Path.cwd())
+        numpy, _ = _run([sys.executable, "-c", "import numpy"], Path.cwd(), os.environ)
         for side, one in sides.items():
             for row, seconds in one.seconds(name).items():
                 if number:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from benchmarks.start.bench import ASIDE, COMMANDS, Side, _rows, claims
+from benchmarks.start.bench import ASIDE, COMMANDS, Side, _rows, claims, of_peer
 
 SCRIPT = """#!/usr/bin/env python3
 import json, sys, time
@@ -43,6 +43,15 @@ def test_processor_seconds_of_each_side_and_what_the_search_takes_aside(tmp_path
 def test_a_command_that_fails_ends_the_benchmark(tmp_path):
     with pytest.raises(RuntimeError, match="worlds"):
         _rows("worlds", {"plogic": side(tmp_path / "a", 0.0, code=1)}, 1, print)
+
+
+def test_the_peer_is_not_led_to_our_own_code_nor_told_less_than_we(tmp_path):
+    one = side(tmp_path / "a", 0.0)
+    one.script.write_text("#!/bin/sh\nenv > told\n")
+    Side(one.script, one.folder, of_peer({"PYTHONPATH": "/ours", "HOME": "/home", "PATH": "/bin:/usr/bin"})).run(())
+    told = (one.folder / "told").read_text()
+    assert "HOME=/home" in told
+    assert "/ours" not in told
 
 
 def test_claims_with_and_without_a_peer():

@@ -59,6 +59,14 @@ def test_perceiving_what_was_written_by_hand_imports_no_compiler_and_reads_no_me
     assert (tmp_path / "first.json").read_bytes() == (tmp_path / "i.json").read_bytes()
 
 
+def test_a_scene_that_is_drawn_again_reads_no_mesh(tmp_path):
+    good("simulate", "--kb", "towers", "-o", tmp_path / "first")
+    found = imported("simulate", "--kb", "towers", "-o", tmp_path / "again")
+    assert "cv2" in found, "the list is that of this run"
+    assert not found & {"trimesh", "networkx", "pydantic", "ruamel", "numba"}
+    assert (tmp_path / "first/image.png").read_bytes() == (tmp_path / "again/image.png").read_bytes()
+
+
 def test_a_page_needs_no_compiler(demo, tmp_path):
     found = imported("report", demo / "interpretation.json", "-o", tmp_path / "page.html")
     assert "cv2" in found, "the list is that of this run"
