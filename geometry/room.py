@@ -6,7 +6,6 @@ Where memory is short, LLVM and OpenCV abort, and OpenBLAS ends the process or l
 import mmap
 import sys
 import threading
-from importlib.abc import MetaPathFinder
 from importlib.machinery import ModuleSpec
 
 MB = 1 << 20
@@ -42,7 +41,7 @@ def check_threads(count: int) -> None:
             thread.join()
 
 
-class _Looks(MetaPathFinder):
+class _Looks:
     """Finds nothing: it looks whether there is room for a library that is about to be loaded."""
 
     def find_spec(self, fullname: str, path: object = None, target: object = None) -> ModuleSpec | None:  # noqa: ARG002

@@ -7,7 +7,6 @@ Rare words are distinctive (§5.1).
 
 import hashlib
 import io
-import re
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from functools import cached_property
@@ -37,12 +36,6 @@ COLOURS = 4
 """Those of these bytes that are the side's own, whatever is beyond the edge; the other is its brightness against
 that."""
 _BLOCK = 4096
-_NAME = re.compile(r"[a-z]+_w\d{4,}")
-
-
-def is_word(name: str) -> bool:
-    """Whether a type's name is that of a visual word, as ``Words.names`` are: nobody knows it by name."""
-    return _NAME.fullmatch(name) is not None
 
 
 @dataclass(frozen=True, eq=False)

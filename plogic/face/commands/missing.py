@@ -14,7 +14,7 @@ import numpy as np
 
 from geometry.files.remembered import cache_folder
 from kb.clouds.cloud import KnowledgeBase, ObjectType
-from kb.clouds.words import is_word
+from kb.clouds.word_names import is_word
 from kb.files.read import read_kb
 from kb.shown.cautions import remedy
 from plogic.base.errors import InputError

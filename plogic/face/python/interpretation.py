@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Literal, Self, get_args
 import numpy as np
 from numpy.typing import NDArray
 
-from kb.clouds.words import is_word
+from kb.clouds.word_names import is_word
 from plogic.base.errors import InputError
 from plogic.face.python.arguments import count
 from plogic.face.python.asking import Asked, Program

@@ -10,7 +10,7 @@ from collections import Counter
 from collections.abc import Iterator, Sequence
 
 from kb.clouds.cloud import KnowledgeBase, ObjectType
-from kb.clouds.words import is_word
+from kb.clouds.word_names import is_word
 from kb.shown.cautions import of_type, unseen_told
 from kb.shown.seen_from import unseen_features
 from plogic.cycle.judging import FEWEST

@@ -9,7 +9,7 @@ import pytest
 from console import document, good, plogic
 from painted_cube import CAMERA, CORNER, cloud, picture, pose_towards, seen, write_knowledge
 
-from kb.clouds.words import is_word
+from kb.clouds.word_names import is_word
 from kb.files.read import read_kb
 
 
