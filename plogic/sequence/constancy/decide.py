@@ -4,7 +4,10 @@ A datum has one cause. So which tracks there are is decided of all together: by 
 probability of each track in it.
 """
 
+from collections import Counter
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
+from itertools import combinations
 
 import numpy as np
 
@@ -114,6 +117,11 @@ HOPELESS = -6.0
 """w below which a track is neither taken nor a rival that counts."""
 
 
+MOST_ALIKE = 1_000_000
+"""Pairs that the data of one type make between two views, above which nothing is sought among them: nothing tells which
+belong together. In two photos of 14,000 data one visual word, of sides of edges, makes 60 million, the next 50,000."""
+
+
 def unknown_objects(
     views: Sequence[View],
     unexplained: Mapping[str, Sequence[str]],
@@ -124,12 +132,40 @@ def unknown_objects(
 ) -> Constancy:
     """What is physical of the ``unexplained`` data (ids by view).
 
-    Seen at one place from two views or more, and again where it should be.
+    Seen at one place from two views or more, and again where it should be. Data of which there are too many alike are
+    undecided.
 
     ``hidden`` says which places the known bodies hide from a view (``plogic.sequence.views.panorama``). A pure
     function of all the views: the order of data changes nothing but the numbering. Two looks: the second knows where
     the first found features, for features come in objects; with ``looks`` 1 there is none.
     """
+    alike = _too_many_alike(views, unexplained)
+    told = {view.id: [name for name in unexplained.get(view.id, ()) if name not in alike[view.id]] for view in views}
+    found = _decided(views, told, rates, hidden, looks)
+    open_ones = {
+        name: (*some, *(i for i in unexplained.get(name, ()) if i in alike[name]))
+        for name, some in found.undecided.items()
+    }
+    return replace(found, undecided=open_ones)
+
+
+def _too_many_alike(views: Sequence[View], unexplained: Mapping[str, Sequence[str]]) -> dict[str, set[str]]:
+    """Those of the data, by view, whose type makes more than ``MOST_ALIKE`` pairs between two views."""
+    kinds = {view.id: {a.id: a.type for a in view.gamma.appearances} for view in views}
+    of = {view.id: [(kinds[view.id][name], name) for name in unexplained.get(view.id, ())] for view in views}
+    counts = [Counter(kind for kind, _ in rows) for rows in of.values()]
+    many = {kind for one, other in combinations(counts, 2) for kind in one if one[kind] * other[kind] > MOST_ALIKE}
+    return {view: {name for kind, name in rows if kind in many} for view, rows in of.items()}
+
+
+def _decided(
+    views: Sequence[View],
+    unexplained: Mapping[str, Sequence[str]],
+    rates: Rates,
+    hidden: Hidden | None,
+    looks: int,
+) -> Constancy:
+    """What is physical, noise, and undecided of data that can be told apart."""
     sights = sights_of(views, unexplained, rates)
     tracks = tracks_of(sights) if len(views) > 1 and sights.types else None
     if tracks is None or not len(tracks.kind):

@@ -3,8 +3,9 @@
 Vocabulary: ``Tracks``, T candidates with their appearance types and places.
 """
 
+from collections.abc import Iterator
 from dataclasses import dataclass
-from itertools import combinations
+from itertools import chain, combinations
 
 import numpy as np
 
@@ -111,30 +112,51 @@ def _taken_up(sights: Sights, tracks: Tracks, v: int) -> Indices:
     """
     grown = tracks.data.copy()
     free = np.flatnonzero(tracks.data[:, v] < 0 if sights.xy.shape[1] else [])
-    for some in pieces(free, sights.xy.shape[1], BLOCK):
-        squared = _squared(sights, tracks.take(some), v)
-        squared[sights.kind[v][None] != tracks.kind[some][:, None]] = np.inf
-        nearest = squared.argmin(axis=1)
-        close = squared[np.arange(len(some)), nearest] < GATE
-        grown[some[close], v] = nearest[close]
+    for kind in np.unique(tracks.kind[free]):
+        data = np.flatnonzero(sights.kind[v] == kind)
+        for some in pieces(free[tracks.kind[free] == kind], 50, BLOCK) if len(data) else ():
+            for these, nearest in _nearest(sights, tracks, some, v, data):
+                grown[these, v] = nearest
     return grown
 
 
-def _squared(sights: Sights, tracks: Tracks, v: int) -> Floats:
-    """(T, N) squared Mahalanobis distances of a view's data from the tracks' images, by places' uncertainty too."""
+def _nearest(sights: Sights, tracks: Tracks, some: Indices, v: int, data: Indices) -> Iterator[tuple[Indices, Indices]]:
+    """Those of ``some`` tracks of one type that lead near any of its ``data`` in a view, and the nearest datum of each.
+
+    Squared Mahalanobis distances count, by places' uncertainty too; of equal ones the first.
+    """
+    from scipy.spatial import cKDTree
+
+    ideal, spread = _images(sights, tracks.take(some), v)
+    seen = np.isfinite(ideal).all(axis=1) & np.isfinite(spread).all(axis=(1, 2))
+    some, ideal, spread = some[seen], ideal[seen], spread[seen]
+    a, b, d = spread[:, 0, 0], spread[:, 0, 1], spread[:, 1, 1]
+    reach = np.sqrt(GATE * ((a + d) / 2.0 + np.hypot((a - d) / 2.0, b)))  # along the long axis
+    tree = cKDTree(sights.xy[v, data])
+    count = tree.query_ball_point(ideal, reach, return_length=True)
+    bounds = np.searchsorted(np.cumsum(count), np.arange(BLOCK, count.sum() + BLOCK, BLOCK), side="left") + 1
+    for rows in np.split(np.arange(len(some)), np.unique(bounds[:-1])):
+        within = tree.query_ball_point(ideal[rows], reach[rows], return_sorted=True)
+        row = np.repeat(rows, count[rows])
+        near = data[np.fromiter(chain.from_iterable(within), np.intp, len(row))]
+        off = sights.xy[v, near] - ideal[row]
+        squared = d[row] * off[:, 0] ** 2 - 2 * b[row] * off[:, 0] * off[:, 1] + a[row] * off[:, 1] ** 2
+        squared /= (a * d - b * b)[row]
+        order = np.lexsort((near, squared, row))
+        first = order[np.unique(row[order], return_index=True)[1]]
+        first = first[squared[first] < GATE]
+        yield some[row[first]], near[first]
+
+
+def _images(sights: Sights, tracks: Tracks, v: int) -> tuple[Floats, Floats]:
+    """Where tracks lead in a view: ideal places (T, 2), NaN behind it, and covariances (T, 2, 2) with a datum's."""
     R, t = sights.camera_from_world[v, :3, :3], sights.camera_from_world[v, :3, 3]
     points = tracks.places.at @ R.T + t
     safe = np.where(points[:, 2:] > DEPTHS[0] / 10, points[:, 2:], np.nan)
     ideal = points[:, :2] / safe
     jacobian = (R[None, :2] - ideal[..., None] * R[None, 2:]) / safe[..., None]
     spread = jacobian @ tracks.places.covariance @ np.swapaxes(jacobian, 1, 2)
-    spread = spread + np.eye(2) * sights.sigma[v, tracks.kind][:, None, None] ** 2
-    (a, b), d = (spread[:, 0, 0], spread[:, 0, 1]), spread[:, 1, 1]
-    off = sights.xy[v][None] - ideal[:, None]
-    squared = (
-        d[:, None] * off[..., 0] ** 2 - 2 * b[:, None] * off[..., 0] * off[..., 1] + a[:, None] * off[..., 1] ** 2
-    ) / (a * d - b * b)[:, None]
-    return np.where(np.isnan(squared), np.inf, squared)
+    return ideal, spread + np.eye(2) * sights.sigma[v, tracks.kind][:, None, None] ** 2
 
 
 PAIR_GATE = 10.83
