@@ -65,7 +65,7 @@ def test_links_are_parts_of_their_names(tmp_path, folder):
     (tmp_path / "robot.urdf").write_text(f'<robot name="r">{links}</robot>')
     good("kb", "import", tmp_path / "robot.urdf", "--kb", folder)
     (kind,) = read_kb(folder).types
-    places = {node: data["at"][0] for node, data in kind.tree.nodes(data=True) if node}
+    places = {node: data["at"][0] for node, data in kind.tree.graph.nodes(data=True) if node}
     assert places == {"base": 0.0, "tip_2": 3.0, "true+lid": 6.5}
 
 

@@ -26,7 +26,7 @@ def folder(tmp_path):
     tags = {FOCAL: (4, 1), RESOLUTION: (20, 1), UNIT: 4, WIDTH: 64, HEIGHT: 48}
     (tmp_path / "still.jpg").write_bytes(jpeg(grey(64, 48), exif(tags)))
     (tmp_path / "cut.jpg").write_bytes(jpeg(grey(48, 48), exif({EQUIVALENT: 28, WIDTH: 64, HEIGHT: 48})))
-    (tmp_path / "camera.json").write_text(json.dumps(camera(60)))
+    (tmp_path / "lens.json").write_text(json.dumps(camera(60)))  # no camera.json: that would be taken
     return tmp_path
 
 
@@ -45,7 +45,7 @@ def perceived(folder, *args):
 
 @pytest.mark.parametrize(
     ("option", "value", "f"),
-    [("--fov", "90", 32.0), ("--fov-diagonal", "90", 40.0), ("--focal", "60", 60.0), ("--camera", "camera.json", 60.0)],
+    [("--fov", "90", 32.0), ("--fov-diagonal", "90", 40.0), ("--focal", "60", 60.0), ("--camera", "lens.json", 60.0)],
 )
 def test_each_way_gives_its_focal_length_in_the_middle(folder, option, value, f):
     found, said = perceived(folder, "plain.png", option, value)
@@ -68,7 +68,7 @@ def test_exif_is_a_guess_that_is_said(folder):
 
 
 def test_a_given_camera_goes_before_exif_which_may_contradict_it(folder):
-    assert perceived(folder, "phone.jpg", "--camera", "camera.json") == (camera(60.0), [])
+    assert perceived(folder, "phone.jpg", "--camera", "lens.json") == (camera(60.0), [])
     assert perceived(folder, "phone.jpg", "--focal", str(F28 * 1.32))[1] == [f"phone.jpg: {TURNED}"]
     doubt = "has a focal length of 69 px, but EXIF tells 52 px (28 mm equivalent)"
     assert perceived(folder, "phone.jpg", "--focal", "69.1")[1][1] == f"phone.jpg: --focal {doubt}"
@@ -90,8 +90,8 @@ def test_without_any_one_line_says_what_to_do(folder):
     "ways",
     [
         ("--fov", "60", "--focal", "50"),
-        ("--camera", "camera.json", "--fov-diagonal", "60"),
-        ("--camera", "camera.json", "--fov", "60", "--fov-diagonal", "70", "--focal", "50"),
+        ("--camera", "lens.json", "--fov-diagonal", "60"),
+        ("--camera", "lens.json", "--fov", "60", "--fov-diagonal", "70", "--focal", "50"),
     ],
 )
 @pytest.mark.parametrize("command", [("perceive",), ("batch",), ("kb", "learn", "box", "--photo")], ids=" ".join)
@@ -138,7 +138,7 @@ def test_a_picture_of_another_size_than_its_camera_says_what_to_do(folder, other
 
 def test_batch_takes_the_same_ways_and_resumes_by_them(folder):
     names = ["plain.png", "phone.jpg"]
-    (folder / "camera.json").unlink()
+    (folder / "lens.json").unlink()
     good("batch", *names, "--kb", "towers", "--full", "--fov", "90", "-o", "out.jsonl", cwd=folder)
     lines = [json.loads(line) for line in (folder / "out.jsonl").read_text().splitlines()]
     assert [line["interpretation"]["camera"]["K"][0][0] for line in lines] == [pytest.approx(32.0)] * 2
@@ -151,7 +151,7 @@ def test_batch_takes_the_same_ways_and_resumes_by_them(folder):
 
 
 def test_batch_without_any_camera_fails_at_once_in_the_words_of_perceive_and_blocks_nothing(folder):
-    (folder / "camera.json").unlink()
+    (folder / "lens.json").unlink()
     (folder / "more").mkdir()
     for number in range(3):
         (folder / "more" / f"{number}.png").write_bytes((folder / "plain.png").read_bytes())
@@ -173,7 +173,7 @@ def test_batch_takes_a_camera_file_that_states_no_size(folder):
 
 
 def test_batch_guesses_by_exif_and_its_lines_say_so(folder):
-    (folder / "camera.json").unlink()
+    (folder / "lens.json").unlink()
     run = plogic("batch", "plain.png", "phone.jpg", "--kb", "towers", "-o", "out.jsonl", cwd=folder)
     assert run.returncode == 1
     wrong, guessed = (json.loads(line) for line in (folder / "out.jsonl").read_text().splitlines())
@@ -191,7 +191,7 @@ def test_batch_guesses_by_exif_and_its_lines_say_so(folder):
 @pytest.fixture
 def rig(folder):
     """A reconstruction of two pictures by two cameras, and pictures that are of neither."""
-    (folder / "camera.json").unlink()
+    (folder / "lens.json").unlink()
     (folder / "rig").mkdir()
     lines = "1 SIMPLE_PINHOLE 64 48 60 32 24\n2 SIMPLE_PINHOLE 64 48 70 32 24\n"
     (folder / "rig/cameras.txt").write_text(f"# cameras\n{lines}")

@@ -247,7 +247,7 @@ behind(H/F, G) :- behind_surface(H, F, G), present(H), present(G).
 behind(H, G) :- hypothesis(H, _), hypothesis(G, _), all_behind(H, G), present(H), present(G).
 % hides_all_features(X, Y): opaque X hides every self-visible feature of Y, and there is one (D5, feature form).
 hides_all_features(X, Y) :- hypothesis(Y, _), behind(Y, X), opaque(X).
-% roc(Relation, X, Y): the relation of X to Y is this one of ROC-20, by outlines and depth (§3.7); X and Y are hypotheses, of which exactly one holds, or parts that are objects.
+% roc(Relation, X, Y): the relation of X to Y is this one of ROC-20, by outlines and depth (§3.7); of opaque hypotheses X and Y exactly one holds; what is not opaque occludes nothing, and where ROC-20 has no name for that, none holds; also of parts that are objects.
 roc(R, X, Y) :- outline_roc(R, X, Y), present(X), present(Y).
 roc(R, X, Y) :- part_roc(R, X, Y), node(X), node(Y).
 % occludes(X, Y): some part of X totally occludes some part of Y (§3.6).
