@@ -49,8 +49,13 @@ from plogic.face.shown.options import (
 )
 from plogic.face.shown.printed import emit, hand_over, let_go, open_streams, say, tell_unkept
 
-NO_MEMORY = "failed to map segment", "Cannot allocate memory", "Insufficient memory"
-"""What libraries say in whose errors memory ran out."""
+NO_MEMORY = (
+    "failed to map segment",
+    "Cannot allocate memory",
+    "Insufficient memory",
+    "SystemError: error return without exception set",
+)
+"""What libraries, and Python itself, say in whose errors memory ran out."""
 NO_THREAD = "can't start new thread", "Resource temporarily unavailable"  # or processes
 LIMITED = (
     f"A command and all processes that it starts take no more memory together than {LEAST >> 30} GiB and"
@@ -361,6 +366,7 @@ def main() -> None:
     except Exception as error:
         if os.environ.get("PLOGIC_TRACEBACK"):
             raise
+        error.__traceback__ = None  # with all that its frames hold: there may be no memory left to tell it
         say("\n".join(f"plogic: {line}" for line in _told(error)))
         sys.exit(1)
     finally:
