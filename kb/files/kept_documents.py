@@ -10,6 +10,7 @@ Vocabulary: ``Said(document, told, [])``, ``told.name == told["name"] == "towers
 
 import hashlib
 import json
+import os
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from functools import partial
@@ -114,6 +115,6 @@ def _key(named: dict[str, bytes]) -> str:
     """64 hex digits of documents by their names."""
     parts = [
         read_by(LIBRARIES, SOURCES),
-        *(part for name, content in named.items() for part in (name.encode(), content)),
+        *(part for name, content in named.items() for part in (os.fsencode(name), content)),
     ]
     return hashlib.sha256(b"".join(hashlib.sha256(part).digest() for part in parts)).hexdigest()

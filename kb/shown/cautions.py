@@ -174,7 +174,7 @@ def of_type(kind: ObjectType, f_ref: float) -> Iterator[str]:
 BY_HAND = "write junctions, patches, markers or colour blobs into object.yaml by hand"
 UNPAINTED = (
     "its mesh has no texture, so keypoints see nothing of it; lay a photo on it (plogic kb learn NAME --photo FILE "
-    f"--points FILE), or {BY_HAND}"
+    f"--points FILE --kb KB), or {BY_HAND}"
 )
 
 
@@ -184,9 +184,8 @@ def remedy(kind: ObjectType, options: str = "") -> str:
         return f"it has no mesh to learn them from; {BY_HAND}"
     if not textures_in(kind.mesh_file)[0]:
         return UNPAINTED
-    return (
-        f"learn them: plogic kb learn {options or kind.name}; where that says that its texture is too plain, {BY_HAND}"
-    )
+    learn = f"plogic kb learn {options or f'{kind.name} --kb KB'}"
+    return f"learn them: {learn}; where that says that its texture is too plain, {BY_HAND}"
 
 
 def _of_lobes(kind: ObjectType) -> Iterator[str]:

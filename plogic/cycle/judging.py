@@ -168,9 +168,9 @@ def _harm(task: Task, accepted: Sequence[Hypothesis], hypothesis: Hypothesis) ->
     return min(0.0, change)
 
 
-def rounded(value: float | None) -> float | None:
+def rounded(value: float | None) -> float | str:
     """An ev as the trace tells it."""
-    return None if value is None else round(value, 3)
+    return "undefined (0/0)" if value is None else round(value, 3)
 
 
 def compared(task: Task, state: State) -> Iterator[State]:

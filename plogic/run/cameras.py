@@ -8,6 +8,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
 
+from geometry.errors import PlogicError
 from geometry.files.plain_files import is_there
 from plogic.base.errors import InputError
 
@@ -140,8 +141,15 @@ def shot_of(source: str, given: GivenCamera, ways: str = WAYS) -> Shot:
     from sensing.files.images import MAX_BYTES, image_from, size_of
 
     data = content_of(source, MAX_BYTES, ImageError)
-    used = camera_beside(source, given)
-    camera, notes = _camera_of(size_of(data, source), used, source, exif_of(data), ways)
+    size, exif, used = size_of(data, source), exif_of(data), camera_beside(source, given)
+    try:
+        camera, notes = _camera_of(size, used, source, exif, ways)
+    except PlogicError as error:
+        if used is given:
+            raise
+        raise InputError(
+            f"{error}; it lies beside the picture, and no camera was given: give one, or move it"
+        ) from error
     beside = () if used is given else (f"its camera is {used.file}, which lies beside it",)
     return Shot(image_from(data, source), camera, (*beside, *notes))
 

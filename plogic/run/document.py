@@ -290,18 +290,21 @@ def _possible(h: HypothesisRow) -> bool:
     return (h.get("interval") or (0.0, h["probability"]))[1] >= SHOWN
 
 
-EVEN = 1e-9
-"""Of two equal probabilities, how much larger the one may come out by rounding."""
+EVEN = 0.0005
+"""Difference of probabilities below which two are as probable: three places show them as one, mostly."""
 
 
 def surpassed(document: Interpretation) -> dict[str, str]:
-    """Of each accepted hypothesis, by id, that has a more probable rival: that one, in words."""
+    """Of each accepted hypothesis, by id, that has a rival as probable, or a more probable one: that one, in words."""
     chances = {h["id"]: h["probability"] for h in document["hypotheses"] if h["status"] == "accepted"}
-    return {
-        name: f"{best['id']} ({best.get('label') or best['type']}, P {_chance(best)}) is a more probable reading of the same data"
-        for name, best in best_rivals(document).items()
-        if best["probability"] > chances[name] + EVEN
-    }
+    found = {}
+    for name, best in best_rivals(document).items():
+        more = best["probability"] - chances[name]
+        if more > -EVEN and best["probability"] > 0.0:
+            who = f"{best['id']} ({best.get('label') or best['type']}, P {_chance(best)})"
+            how = f"a more probable reading of the same data than {name}"
+            found[name] = f"{who} is {how if more > EVEN else f'as probable a reading of the same data as {name}'}"
+    return found
 
 
 def best_rivals(document: Interpretation) -> dict[str, HypothesisRow]:

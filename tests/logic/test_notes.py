@@ -23,6 +23,7 @@ WORLD = "0.5::sick(ann). 0.3::sick(bob). person(ann). person(bob). on(ann, bob).
         ("constraint(bad(X)) :- \\+ sick(X), person(X).", (), "\\+ sick(X) is asked before X"),
         ("evidnce(sick(ann)).", (), "2:1: evidnce(sick(ann)) is a fact that observes nothing; the closest name"),
         ("qeury(\\+ sick(ann)).", (), "is a fact that asks nothing; the closest name that does is query"),
+        ("evidence(sick(ann), True).", (), "observes nothing: its second argument is true or false"),
         ("evidence(sick(ann), tru).", (), "observes nothing: its second argument is true or false"),
     ],
 )
@@ -43,6 +44,8 @@ def test_what_is_surely_not_meant_is_told_with_its_place(rule, goals, said):
         ("all(_) :- forall(person(X), sick(X)), person(ann).", ("all(_)",)),
         ("in([X | L], Y) :- \\+ sick(X), in(L, Y).\nin([], _).", ("in([ann], Y)",)),
         ("well(X) :- \\+ sick(X), X @< bob.", ("well(X)",)),
+        ("well(X) :- \\+ sick(Y), X = Y, person(X).", ("well(X)",)),
+        ("evidence(X, Y) :- seen(X, Y).\nseen(sick(ann), true).", ()),
         ("evident(ann). entry(sick(ann)). q(X) :- quary(X). quary(sick(ann)).", ("q(X)",)),
         ("evidence(sick(ann), false). query(\\+ sick(ann)).", ()),
         ("well(X) :- \\+ sick(X), person(X", ("well(X)",)),

@@ -21,6 +21,7 @@ from plogic.logic.safety.check import check_source, parse
         (":- table p/1.\np(a).", "1:4: table declares nothing in ProbLog"),
         ("a.\n:- dynamic p/1, q/2.", "2:4: dynamic declares nothing in ProbLog"),
         ("a :- 'an odd.name', heads (c1).", "1:21: no space between a name and its bracket: heads("),
+        ("c :- a,\nd(X) :- a.", "1:7: a full stop ends a clause, not a comma"),
         ("0,5::a.", "1:2: a decimal has a point: 0.5"),
         ("0,5::a :- b.", "1:1: a decimal has a point: 0.5"),
         ("a. 0.2::b; 0,35::c.", "a decimal has a point: 0.35"),

@@ -16,7 +16,7 @@ GREY = cv2.cvtColor(cv2.cvtColor(PICTURE, cv2.COLOR_BGR2GRAY), cv2.COLOR_GRAY2BG
     [
         (PICTURE, []),
         (GREY, ["has no colours"]),
-        (PICTURE // 6, ["is dark: 99 of 100 pixels are below "]),
+        (PICTURE // 6, ["is dark: 99 of 100 pixels are at most "]),
         (GREY // 6, ["has no colours", "is dark"]),
         (np.clip(PICTURE * 8.0, 0, 255).astype(np.uint8), ["is over-exposed: "]),
         (None, []),

@@ -34,7 +34,7 @@ from plogic.facts.caveats import caveats
 from plogic.facts.document import Interpretation
 from plogic.facts.interpretation import text_of
 from plogic.facts.situation import stopped_in
-from plogic.run.cameras import GivenCamera, Shot, image_by, shot_of
+from plogic.run.cameras import GivenCamera, Shot, camera_beside, image_by, shot_of
 from plogic.run.document import place_of, placed_in, surpassed
 from plogic.run.perceive import perceiver_of
 from plogic.run.silence.beforehand import beforehand
@@ -234,8 +234,8 @@ def _impossible(document: Interpretation) -> list[str]:
 
 
 def _surpassed(document: Interpretation) -> list[str]:
-    """A line for each accepted hypothesis that has a more probable rival."""
-    return [f"{line} than {name}" for name, line in surpassed(document).items()]
+    """A line for each accepted hypothesis that has a rival as probable, or a more probable one."""
+    return list(surpassed(document).values())
 
 
 def _lens(document: Interpretation) -> list[str]:
@@ -286,8 +286,11 @@ def _of_sequence(inputs: Sequence[str], options: Perceiving, say: Say, write: Sa
     poses, foreseen = _placed_frames([frame.name for frame in frames if frame.fault is None], options.poses)
     in_turn = iter(poses)
     poses = [None if frame.fault is not None else next(in_turn) for frame in frames]
-    if options.poses is None and options.camera.file and not all(is_gamma(frame.name) for frame in frames):
-        say("all images are taken to be from the one place that --camera tells; where the camera moved, give --poses")
+    images = [frame.name for frame in frames if not is_gamma(frame.name)]
+    tells = {camera_beside(name, options.camera).file for name in images}
+    if options.poses is None and len(images) > len(tells) and tells != {None}:
+        by = "--camera" if options.camera.file else " and ".join(sorted(filter(None, tells)))
+        say(f"all images are taken to be from the one place that {by} tells; where the camera moved, give --poses")
     panorama = Panorama(perceiver_of(kb, options.generator), _chosen(options))
     looks, failed = _looks(panorama, frames, poses, options.camera, say)
     last = looks[-1][1].view.gamma

@@ -1,5 +1,6 @@
 """``Panorama``: several views of one place, interpreted one after the other, and what they say together."""
 
+import warnings
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -65,6 +66,14 @@ class PlacedObjects(Rows[PlacedObject]):
         return (Table("objects in the world", columns, cells),)
 
 
+def _pose(given: ArrayLike) -> NDArray[np.float64]:
+    """Numbers as an array; whether they are a pose is looked at elsewhere. Raises InputError where they are none."""
+    try:
+        return np.asarray(given, np.float64)
+    except (TypeError, ValueError) as error:
+        raise InputError("T_world_camera: should be 4x4 numbers, m") from error
+
+
 class Panorama(Result):
     """Several views of one place that stands still, from cameras whose poses are known.
 
@@ -113,7 +122,10 @@ class Panorama(Result):
         from plogic.sequence.constancy.sight_lines import View
 
         gamma, image = gamma_and_image(source, self.kb, camera)
-        pose = gamma.camera.world_from_camera if T_world_camera is None else np.asarray(T_world_camera, np.float64)
+        pose = gamma.camera.world_from_camera if T_world_camera is None else _pose(T_world_camera)
+        if T_world_camera is None and pose is not None and self._has_been(pose):
+            what = "taken to be from the place of an earlier view: where the camera moved, give T_world_camera"
+            warnings.warn(what, stacklevel=2)
         if pose is None:
             raise InputError(
                 "T_world_camera: is not given, and the camera tells none: where the view is from is not known"
@@ -123,6 +135,9 @@ class Panorama(Result):
         look = self._memory.look(View(f"v{number}", placed, pose), image)
         self._looks.append((str(source) if isinstance(source, str | Path) else f"view {number}", look))
         return Interpretation(look.interpretation, image=image)
+
+    def _has_been(self, pose: NDArray[np.float64]) -> bool:
+        return any(np.array_equal(pose, look.view.world_from_camera) for _, look in self._looks)
 
     @property
     def document(self) -> "rows.Panorama":

@@ -1,5 +1,6 @@
 """``perceive`` and ``detect``: from an image or Γ to an interpretation."""
 
+import warnings
 from pathlib import Path
 from time import monotonic
 from typing import get_args
@@ -82,7 +83,11 @@ def loaded(kb: KnowledgeBase | str | Path) -> KnowledgeBase:
 def gamma_and_image(
     source: Image | appearance.Gamma, kb: KnowledgeBase, camera: Camera | str | Path | None
 ) -> tuple[appearance.Gamma, NDArray[np.uint8] | None]:
-    """Γ, and the image where there is one."""
+    """Γ, and the image where there is one; of a Γ, which has a camera of its own, another is warned of."""
+    if camera is not None and (
+        isinstance(source, appearance.Gamma) or (isinstance(source, str | Path) and is_gamma(str(source)))
+    ):
+        warnings.warn("a Γ has a camera of its own: camera is not used", stacklevel=3)
     if isinstance(source, appearance.Gamma):
         return gamma_from_dict(gamma_to_dict(source), "gamma", kb.appearance_types), None
     if isinstance(source, (str, Path)) and is_gamma(str(source)):

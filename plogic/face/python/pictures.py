@@ -13,6 +13,7 @@ from geometry import camera as geometry_camera
 from geometry.errors import CameraError
 from geometry.field_of_view import focal_across
 from geometry.files.camera_files import read_camera
+from plogic.base.errors import InputError
 from plogic.face.session.blocks import Block, Column, Rows, Table
 from plogic.run.cameras import GivenCamera, Shot, image_by, shot_of, shot_with, sized
 from sensing import appearance as sensing_appearance
@@ -168,6 +169,8 @@ def shot_for(image: Image, camera: geometry_camera.Camera | str | Path | None, a
             return Shot(image_by(camera, source, "camera"), camera)
         pixels = pixels_of(image)
         return Shot(pixels, sized(camera, (pixels.shape[1], pixels.shape[0]), "camera", source))
+    if camera is not None and not isinstance(camera, str | Path):
+        raise InputError(f"camera: should be a Camera or its file, not {type(camera).__name__}")
     given = GivenCamera() if camera is None else GivenCamera(str(camera))
     shot = shot_of(source, given, WAYS) if named else shot_with(pixels_of(image), given, source, WAYS)
     for note in shot.notes:

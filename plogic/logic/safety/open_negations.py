@@ -133,7 +133,9 @@ def _steps(goal: Any, bound: set[str], after: list[Any]) -> Iterator[Step]:  # n
             for place, added in META.get(each.signature, ()):
                 if not added:
                     yield from _steps(each.args[place], bound, [])
-        if getattr(each, "signature", "") not in NEGATIONS:
+        if getattr(each, "signature", "") == "=/2" and not bound & set(_names(each)):
+            bound |= _binds(each)
+        elif getattr(each, "signature", "") not in NEGATIONS:
             bound |= set(_names(each))
 
 
@@ -152,6 +154,8 @@ def _binds(goal: Any) -> set[str]:  # noqa: ANN401 - a term of ProbLog's
         return set().union(*map(_binds, goal.args))
     if signature == "is/2":
         return set(_names(goal.args[0]))
+    if signature == "=/2" and all(isinstance(side, Var) for side in goal.args):
+        return set()  # two that have no values are the same afterwards, without one
     return set() if isinstance(goal, Var) or signature in NEGATIONS | TESTED else set(_names(goal))
 
 

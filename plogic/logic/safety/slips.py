@@ -33,6 +33,10 @@ SLIPS = tuple(
             r"(?P<here>\b[A-Z_]\w*+)\(",
             "{here} is a variable, for it begins with a capital letter or _: a name does not",
         ),
+        (
+            rf"(?P<here>,)[ \t]*\n\s*{NAME}(?:\([^()]*\))?\s*:-",
+            "a full stop ends a clause, not a comma",
+        ),
         (r"(?P<here>!=)\s*", "it is written \\="),
         (r"(?P<here><=)\s*", "it is written =<"),
         (r"(?P<here>:=|=>)\s*", "it is written :-"),

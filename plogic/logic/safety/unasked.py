@@ -3,7 +3,7 @@
 from collections.abc import Iterator
 from typing import Any
 
-from problog.logic import Constant, Not, Term, Var
+from problog.logic import AnnotatedDisjunction, Clause, Constant, Not, Term, Var
 
 from plogic.base.errors import ProgramError
 from plogic.logic.safety.check import Source, glanced, heads
@@ -22,12 +22,13 @@ def unasked(text: str, file: str) -> list[str]:
 
 def _unasked(source: Source) -> Iterator[tuple[str, Any]]:
     found = [head for statement in source.statements for head in heads(statement)]
+    facts = {id(s) for s in source.statements if not isinstance(s, (Clause, AnnotatedDisjunction))}
     defined = {head.signature for head in found}
     bodies = (getattr(statement, "body", None) for statement in source.statements)
     called = {goal.signature for body in bodies for goal, _, _ in goals_under(body, frozenset(), None)}
     for head in found:
         if head.signature == "evidence/2" and str(head.args[1]) not in ("true", "false"):
-            if not isinstance(head.args[1], Var):
+            if not isinstance(head.args[1], Var) or id(head) in facts:
                 yield f"{head} observes nothing: its second argument is true or false", head
         elif head.signature not in called and head.arity in (1, 2) and (right := meant(str(head.functor))):
             goal = head.args[0].args[0] if isinstance(head.args[0], Not) else head.args[0]

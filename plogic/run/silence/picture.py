@@ -39,7 +39,7 @@ def lacking(document: Interpretation) -> Iterator[str]:
     most = float(np.quantile(grey, 0.99))
     if most < DARK:
         yield (
-            f"the picture is dark: 99 of 100 pixels are below {most:.0f} of 255, and types were learned in light; "
+            f"the picture is dark: 99 of 100 pixels are at most {most:.0f} of 255, and types were learned in light; "
             "give it more light, or a longer exposure"
         )
     burnt = float((grey >= BURNT).mean())

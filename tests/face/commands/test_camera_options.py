@@ -281,3 +281,11 @@ def test_a_camera_that_is_of_no_use_is_told(folder):
 def test_the_angles_of_phones_that_are_named_are_those_of_24_to_28_mm():
     angles = [round(fov_across(DIAGONAL_35MM, mm)) for mm in (28, 24)]
     assert f"{angles[0]} to {angles[1]} of most phones' main cameras" in WAYS
+
+
+def test_a_file_that_lies_beside_the_picture_and_is_no_camera_is_told_to_be_that(folder):
+    (folder / "camera.json").write_text('{"type": "PerspectiveCamera"}')
+    (line,) = refused(folder, "perceive", "phone.jpg", "--kb", "towers", "-o", "out.json")
+    assert line.endswith("; it lies beside the picture, and no camera was given: give one, or move it")
+    (folder / "camera.json").write_text(json.dumps(camera(60)))
+    assert perceived(folder, "phone.jpg")[0] == camera(60.0)

@@ -100,7 +100,20 @@ def test_python_looks_view_by_view_and_comes_to_the_same_file(frames, two, tmp_p
     assert "t1 p" in str(place)
     with pytest.raises(Error, match="where the view is from is not known"):
         place.look("f3.json")
+    with pytest.raises(Error, match="T_world_camera: should be 4x4 numbers"):
+        place.look("f3.json", T_world_camera="x")
     assert len(place.views) == 2
+
+
+def test_python_warns_of_a_place_that_serves_twice_and_of_a_camera_that_is_not_used():
+    first = view(1, turned(0.0)).gamma
+    gamma = replace(first, camera=replace(first.camera, world_from_camera=turned(0.0)))
+    place = Panorama("towers")
+    place.look(gamma)
+    with pytest.warns(UserWarning, match="from the place of an earlier view"):
+        place.look(gamma)
+    with pytest.warns(UserWarning, match="a Γ has a camera of its own"):
+        place.look(gamma, "nowhere.json", turned(0.0))
 
 
 def test_each_view_of_it_is_an_interpretation(two_by_posterior, tmp_path):
