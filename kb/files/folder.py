@@ -7,6 +7,7 @@ Vocabulary: ``Document("kb.yaml", {"name": "towers"}, composed, mistakes)``;
 from __future__ import annotations
 
 import hashlib
+import os
 import os.path
 from dataclasses import dataclass, field
 from functools import cached_property
@@ -207,7 +208,7 @@ class Folder:
         """SHA-256 over the paths and contents of the files read, in the order of paths."""
         total = hashlib.sha256()
         for name, content in sorted(self.contents.items()):
-            total.update(f"{name}\n{len(content)}\n".encode() + content)
+            total.update(os.fsencode(f"{name}\n{len(content)}\n") + content)
         return total.hexdigest()
 
     def read_sides(self, path: Path, content: bytes) -> None:

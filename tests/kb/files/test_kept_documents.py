@@ -1,5 +1,7 @@
 """Documents kept between runs: they say the same, and a mistake beside them is told at the same place."""
 
+import os
+
 import pytest
 from small_kb import KB, MESH, OBJECT, write_small
 
@@ -81,3 +83,10 @@ def test_what_decides_what_they_say_is_in_their_key(tmp_path, monkeypatch, chang
     read_kb(folder, tmp_path)
     kept_surfaces.read_by.cache_clear()
     assert len(kept(tmp_path)) == 2
+
+
+def test_a_folder_whose_name_is_no_text_is_read_and_kept(tmp_path):
+    folder = write_small(tmp_path / "kb")
+    (objects,) = {path.parent for path in folder.glob("objects/*/object.yaml")}
+    objects.rename(objects.with_name(os.fsdecode(b"odd\xff")))
+    assert all_of(read_kb(folder, tmp_path)) == all_of(read_kb(folder, tmp_path)) == all_of(read_kb(folder))
