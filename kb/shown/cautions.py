@@ -216,6 +216,10 @@ def _of_learned(kind: ObjectType) -> Iterator[str]:
 def _of_mesh(kind: ObjectType) -> Iterator[str]:
     if kind.surface is not None and kind.surface.caution:
         yield kind.surface.caution
+    for texture in textures_in(kind.mesh_file)[0] if kind.mesh_file is not None else ():
+        if texture.data is None:
+            why = texture.fault or "is missing"
+            yield f"the {texture.label} of its mesh {why}, so that it cannot be drawn"
 
 
 def _contained(types: tuple[ObjectType, ...]) -> Iterator[str]:

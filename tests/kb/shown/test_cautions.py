@@ -50,6 +50,16 @@ def test_a_good_type_is_not_warned_of(tmp_path):
     assert said(read_kb(shipped("towers"))) == []
 
 
+def test_a_texture_that_is_missing_is_named(tmp_path):
+    kb = read(tmp_path, cube=on_top())
+    mesh = kb.types[0].mesh_file
+    mesh.with_name("m.mtl").write_text("newmtl skin\nmap_Kd skin.png\n")
+    mesh.write_text("mtllib m.mtl\nusemtl skin\n" + mesh.read_text())
+    assert said(read_kb(tmp_path)) == [
+        "cube: the texture 'skin.png' of its mesh is missing, so that it cannot be drawn"
+    ]
+
+
 @pytest.mark.parametrize(
     ("hidden", "why"),
     [
