@@ -8,7 +8,6 @@ from __future__ import annotations
 
 import hashlib
 import os
-import os.path
 from dataclasses import dataclass, field
 from functools import cached_property
 from pathlib import Path

@@ -7,6 +7,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from geometry.connected import roots
+
 if TYPE_CHECKING:
     from collections.abc import Iterable
 
@@ -78,21 +80,10 @@ def _flat_neighbours(surface: Surface) -> list[tuple[int, int]]:
 
 def _regions(count: int, links: Iterable[tuple[int, int]]) -> list[tuple[int, ...]]:
     """The facets that hang together by links, each region in ascending order."""
-    beside: list[list[int]] = [[] for _ in range(count)]
-    for a, b in links:
-        beside[a].append(b)
-        beside[b].append(a)
-    seen, found = [False] * count, list[tuple[int, ...]]()
-    for first in range(count):
-        region = [] if seen[first] else [first]
-        seen[first] = True
-        for facet in region:  # it grows while we go through it
-            new = [other for other in dict.fromkeys(beside[facet]) if not seen[other]]
-            for other in new:
-                seen[other] = True
-            region += new
-        found += [tuple(sorted(region))] if region else []
-    return found
+    regions: dict[int, list[int]] = {}
+    for facet, root in enumerate(roots(count, links)):
+        regions.setdefault(root, []).append(facet)
+    return [tuple(region) for region in regions.values()]
 
 
 def _graph(count: int, links: Iterable[tuple[int, int]]) -> nx.Graph:

@@ -1,4 +1,4 @@
-"""Walks over graphs of any kind, each node that is reached once, depth first; groups, and connected pieces."""
+"""Walks over graphs of any kind, each node that is reached once, depth first; and groups."""
 
 from collections.abc import Callable, Iterable, Iterator
 from typing import TypeVar
@@ -31,24 +31,3 @@ def by_key(pairs: Iterable[tuple[Key, Value]]) -> dict[Key, list[Value]]:
     for key, value in pairs:
         groups.setdefault(key, []).append(value)
     return groups
-
-
-def roots(count: int, scopes: Iterable[tuple[int, ...]]) -> list[int]:
-    """Return, for each of ``count`` nodes, the least node of its connected piece; a scope joins its nodes."""
-    root = list(range(count))
-    for scope in scopes:
-        if len(scope) > 1:
-            tops = {_top(root, v) for v in scope}
-            least = min(tops)
-            for top in tops:
-                root[top] = least
-    for v in range(count):
-        root[v] = root[root[v]]
-    return root
-
-
-def _top(root: list[int], v: int) -> int:
-    while root[v] != v:
-        root[v] = root[root[v]]
-        v = root[v]
-    return v

@@ -16,13 +16,13 @@ import numpy as np
 
 from geometry.arrays import Floats, Mask
 from geometry.camera import Camera
+from geometry.connected import roots
 from geometry.visibility.occlusion import PosedSurface, drawn, occlusion
 from geometry.visibility.outline import Area
 from geometry.visibility.roc import Roc
 from kb.clouds.cloud import KnowledgeBase
 from kb.surfaces.surface import Surface
 from plogic.base.jobs import each
-from plogic.base.walk import roots
 from plogic.cycle.lumped import compound_parts, counts, lumped, told, told_as, types_told
 from plogic.cycle.placing import gravity_of_view, space_of_view
 from plogic.cycle.planes import Setting

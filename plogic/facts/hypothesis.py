@@ -28,6 +28,8 @@ from plogic.measures.crowding import shares
 from plogic.measures.explanatory import Support, tally
 
 if TYPE_CHECKING:
+    from collections.abc import Iterable
+
     from numpy.typing import NDArray
 
     Flags = NDArray[np.bool_]
@@ -310,6 +312,12 @@ ARRAYS = tuple(row.name for row in fields(Hypothesis) if "NDArray" in str(row.ty
 """The fields that are arrays."""
 VERDICT = "worth", "surplus", "ev", "ev_reconsidered", "status", "why"
 """The fields that say what was judged."""
+
+
+def feature_nodes(parts: Iterable[PartFact], features: Iterable[tuple[str, str]]) -> dict[str, str]:
+    """The type of every Feature node, by its path: of ``features``, and of compounds' parts that those stand for."""
+    told = dict(features)
+    return told | {p.id: p.type for p in parts if p.kind == "feature" and p.id not in told}
 
 
 def part_facts(object_type: ObjectType) -> tuple[PartFact, ...]:

@@ -53,6 +53,7 @@ FORMAT: Final = "interpretation/1"
 LARGEST = 256 * 2**20
 """Bytes of an interpretation that is read."""
 HOLDS = "it should hold what a picture shows"
+OF_SEVERAL = ", of one view: a panorama/1 has one for each, views[i].interpretation; ask that, as a file of its own"
 
 
 def facts_of(situation: Situation) -> list[Fact]:
@@ -284,9 +285,7 @@ def interpretation_in(document: Document, formats: str = "{}") -> Interpretation
     """
     data = document.data
     if not isinstance(data, dict) or data.get("format") != FORMAT:
-        several = isinstance(data, dict) and data.get("format") == "panorama/1"
-        hint = f", of one view; it tells objects and worlds of {len(data.get('views', ()))} views" if several else ""
-        hint += ": ask one of these, views[i].interpretation as a file of its own" if several else ""
+        hint = OF_SEVERAL if isinstance(data, dict) and data.get("format") == "panorama/1" else ""
         wrong = [Mistake(("format",), f"should be {formats.format(repr(FORMAT))}{hint}")]
         raise InterpretationError(*document.told(wrong))
     interpretation = cast("Interpretation", data)

@@ -24,7 +24,8 @@ from typing import Any, NamedTuple, TypeVar
 import numpy as np
 from numpy.typing import NDArray
 
-from plogic.base.walk import by_key, roots
+from geometry.connected import roots
+from plogic.base.walk import by_key
 
 Tables = tuple[tuple[tuple[int, ...], NDArray[np.float64]], ...]
 Scoped = tuple[tuple[int, ...], NDArray[np.float64]]

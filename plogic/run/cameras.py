@@ -122,8 +122,6 @@ def part_of(file: str) -> tuple[str, str | None]:
 
 def camera_beside(source: str, given: GivenCamera) -> GivenCamera:
     """What was given for the camera of a picture's file; where nothing was, ``camera.json`` beside it, if any."""
-    from geometry.files.plain_files import is_there
-
     beside = Path(source).parent / "camera.json"
     return given if given != NOTHING_GIVEN or source == "-" or not is_there(beside) else GivenCamera(str(beside))
 

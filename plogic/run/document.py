@@ -282,7 +282,7 @@ def accepted_in(document: Interpretation) -> tuple[str, ...]:
 
 
 SHOWN = 0.0005
-"""Probability from which on an object is not told as one of 0.000."""
+"""Least probability, or difference of two, that three places show: what is less is told as 0.000, or as none."""
 
 
 def _possible(h: HypothesisRow) -> bool:
@@ -290,20 +290,19 @@ def _possible(h: HypothesisRow) -> bool:
     return (h.get("interval") or (0.0, h["probability"]))[1] >= SHOWN
 
 
-EVEN = 0.0005
-"""Difference of probabilities below which two are as probable: three places show them as one, mostly."""
-
-
 def surpassed(document: Interpretation) -> dict[str, str]:
-    """Of each accepted hypothesis, by id, that has a rival as probable, or a more probable one: that one, in words."""
+    """Of each accepted hypothesis, by id, that has a rival as probable, or a more probable one: that one, in words.
+
+    As probable are two that differ by less than ``SHOWN``.
+    """
     chances = {h["id"]: h["probability"] for h in document["hypotheses"] if h["status"] == "accepted"}
     found = {}
     for name, best in best_rivals(document).items():
         more = best["probability"] - chances[name]
-        if more > -EVEN and best["probability"] > 0.0:
+        if more > -SHOWN and best["probability"] > 0.0:
+            how, than = ("a more probable", "than") if more > SHOWN else ("as probable a", "as")
             who = f"{best['id']} ({best.get('label') or best['type']}, P {_chance(best)})"
-            how = f"a more probable reading of the same data than {name}"
-            found[name] = f"{who} is {how if more > EVEN else f'as probable a reading of the same data as {name}'}"
+            found[name] = f"{who} is {how} reading of the same data {than} {name}"
     return found
 
 

@@ -18,7 +18,7 @@ import numpy as np
 from plogic.base.bounds import LEAST
 from plogic.facts.dependence import Scene
 from plogic.facts.document import Interpretation
-from plogic.facts.hypothesis import FeatureFact, Hypothesis
+from plogic.facts.hypothesis import FeatureFact, Hypothesis, feature_nodes
 from plogic.facts.interpretation import situation_of
 from plogic.facts.situation import OTHERS, Reconsider, Situation
 from plogic.measures.explanatory import Cells, case_of, explanatory_value, shanahan_values
@@ -109,16 +109,12 @@ def dv_over_instances(believed: Sequence[Hypothesis], dv: Mapping[str, float]) -
 
     Every Feature node counts: of a compound, the part that it is told by too. None where features are summed up.
     """
-    counts = Counter(kind for h in believed for kind in feature_nodes(h).values())
+    told = (feature_nodes(h.parts, [(f.id, f.type) for f in h.features]) for h in believed)
+    counts = Counter(kind for nodes in told for kind in nodes.values())
     if OTHERS in counts:
         return None
     total = counts.total()
     return {name: 1.0 - counts[name] / total for name in dv} if total else dict(dv)
-
-
-def feature_nodes(h: Hypothesis) -> dict[str, str]:
-    """The type of every Feature node that is told of a hypothesis, by its path."""
-    return {part.id: part.type for part in h.parts if part.kind == "feature"} | {f.id: f.type for f in h.features}
 
 
 def _ev(scene: Scene, h: Hypothesis, beside: frozenset[str]) -> float | None:

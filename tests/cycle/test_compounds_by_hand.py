@@ -12,9 +12,10 @@ from box_kb import CAMERA, box_kb, corner_rows, feature_row, seen
 
 from geometry.frames import look_at
 from plogic.cycle.delta import Options
+from plogic.facts.hypothesis import feature_nodes
 from plogic.facts.interpretation import situation_of
 from plogic.measures.distinctiveness import instance_counts
-from plogic.run.measured import feature_nodes, measured
+from plogic.run.measured import measured
 from plogic.run.perceive import Perceiver
 from plogic.scene.asking.presence import presence
 from plogic.scene.text.program_text import program_text
@@ -131,4 +132,5 @@ def test_every_feature_node_counts_in_the_dv_over_instances_and_is_a_feature_of_
     for part in PARTS:
         assert f"type_feature(box, 'd0/{part}', knob)" in text
         assert f"type_part(box/'d0/{part}', box/d0)" in text
-    assert Counter(feature_nodes(h).values()) == instance_counts(kb.types)
+    nodes = feature_nodes(h.parts, [(f.id, f.type) for f in h.features])
+    assert Counter(nodes.values()) == instance_counts(kb.types)

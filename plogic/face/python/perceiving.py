@@ -84,16 +84,16 @@ def gamma_and_image(
     source: Image | appearance.Gamma, kb: KnowledgeBase, camera: Camera | str | Path | None
 ) -> tuple[appearance.Gamma, NDArray[np.uint8] | None]:
     """Γ, and the image where there is one; of a Γ, which has a camera of its own, another is warned of."""
-    if camera is not None and (
-        isinstance(source, appearance.Gamma) or (isinstance(source, str | Path) and is_gamma(str(source)))
-    ):
-        warnings.warn("a Γ has a camera of its own: camera is not used", stacklevel=3)
     if isinstance(source, appearance.Gamma):
-        return gamma_from_dict(gamma_to_dict(source), "gamma", kb.appearance_types), None
-    if isinstance(source, (str, Path)) and is_gamma(str(source)):
-        return read_gamma(source, kb.appearance_types), None
-    shot = shot_for(source, camera, 4)
-    return detected(shot.image, shot.camera, kb.sigma, Stopwatch()), shot.image
+        gamma = gamma_from_dict(gamma_to_dict(source), "gamma", kb.appearance_types)
+    elif isinstance(source, str | Path) and is_gamma(str(source)):
+        gamma = read_gamma(source, kb.appearance_types)
+    else:
+        shot = shot_for(source, camera, 4)
+        return detected(shot.image, shot.camera, kb.sigma, Stopwatch()), shot.image
+    if camera is not None:
+        warnings.warn("a Γ has a camera of its own: camera is not used", stacklevel=3)
+    return gamma, None
 
 
 def checked(reading: str, reconsider: str, dv_over: str) -> None:

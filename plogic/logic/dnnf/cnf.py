@@ -15,7 +15,8 @@ from collections import Counter
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-from plogic.base.walk import by_key, roots
+from geometry.connected import roots
+from plogic.base.walk import by_key
 from plogic.logic.grounding.ground_program import TRUE, Gate, Ground
 
 if TYPE_CHECKING:

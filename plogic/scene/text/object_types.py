@@ -8,7 +8,7 @@ from collections.abc import Iterable, Iterator, Sequence
 from typing import NamedTuple
 
 from plogic.base.walk import by_key
-from plogic.facts.hypothesis import PartFact
+from plogic.facts.hypothesis import PartFact, feature_nodes
 from plogic.facts.situation import TypeFact
 from plogic.scene.text.layout import Writer, number, quoted
 
@@ -71,8 +71,7 @@ def _types(w: Writer) -> dict[str, Said]:
 
 
 def _said(parts: Sequence[PartFact], features: Iterable[tuple[str, str]], *, opaque: bool) -> Said:
-    kinds, known = dict(features), {part.id for part in parts}
-    kinds |= {part.id: part.type for part in parts if part.kind == "feature" and part.id not in kinds}
+    kinds, known = feature_nodes(parts, features), {part.id for part in parts}
     wholes = {part.id: part.parent if part.parent in known else "" for part in parts}
     wholes |= {path: _host(path, known) for path in kinds if path not in known}
     return Said(wholes, kinds, frozenset(part.id for part in parts if part.kind == "object"), opaque)

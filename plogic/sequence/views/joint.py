@@ -101,9 +101,8 @@ def _best(
     starts = [*(m.standing for m in heap), *(some for some in there if some.same(first, view))]
     own = {member.view: member.posed for member in reversed(heap)}  # what each view matched by itself
     starts += [refined(s, list(own.values()), [seen[v] for v in own], kb) for s in (first, heap[-1].standing)]
-    distinct = {some.world_from_object.tobytes(): some for some in reversed(starts)}
-    starts = list(reversed(distinct.values()))
-    return max(starts, key=lambda some: sum(evidence(seen_alone(some, one, kb), one.data, kb).ratio for one in seen))
+    distinct = {some.world_from_object.tobytes(): some for some in starts}.values()
+    return max(distinct, key=lambda some: sum(evidence(seen_alone(some, one, kb), one.data, kb).ratio for one in seen))
 
 
 ROUNDS = 2

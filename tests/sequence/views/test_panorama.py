@@ -45,7 +45,10 @@ def test_no_search_is_needed_on_return(seed):
     assert len(looks[-1].interpretation["hypotheses"]) >= 2
 
 
-@pytest.mark.parametrize("seed", [1, 2])
+STAYS = "with the third view first, a tower a storey too high is found, explains what is seen, and no search is made"
+
+
+@pytest.mark.parametrize("seed", [pytest.param(0, marks=pytest.mark.xfail(reason=STAYS, strict=True)), 1, 2])
 def test_in_which_order_views_come_decides_nothing(seed):
     """The first view leaves the distance open, so that its pose is wrong where another looks from the side."""
     views = [view(n, around(angle), seed=seed, noise=0.8) for n, angle in enumerate((0.0, 60.0, 120.0), 1)]
