@@ -11,6 +11,7 @@ from console import document, good, plogic
 from sequences import turned, view
 
 from plogic import Error, Panorama
+from plogic.facts.interpretation import OF_SEVERAL
 from sensing.files.gamma_files import write_gamma
 
 ANGLES = [0.0, 15.0, 80.0, 1.0]
@@ -200,3 +201,12 @@ def test_a_frame_that_cannot_be_used_costs_nothing_of_those_before_it(frames, tw
     first = plogic("perceive", "f3.json", "f4.json", *more, "-o", "q.json", cwd=tmp_path)
     assert first.returncode == 1
     assert not (tmp_path / "q.json").exists()
+
+
+@pytest.mark.parametrize("text", [None, '{"format": "panorama/1", "views": 5}'], ids=["one", "hostile"])
+def test_a_sequence_that_is_asked_says_what_of_it_can_be(two, tmp_path, text):
+    (tmp_path / "panorama.json").write_text(text or two)
+    run = plogic("query", tmp_path / "panorama.json")
+    assert run.returncode == 1
+    (line,) = run.stderr.splitlines()
+    assert line.endswith("should be 'interpretation/1'" + OF_SEVERAL)
