@@ -20,7 +20,6 @@ import os
 import re
 import struct
 import tempfile
-import threading
 import zlib
 from collections.abc import Iterator
 from contextlib import ExitStack, contextmanager, suppress
@@ -30,6 +29,7 @@ from typing import IO, Any
 import numpy as np
 from numpy.typing import NDArray
 
+from geometry.diverted import DIVERTED
 from geometry.files.plain_files import content_of
 from sensing.errors import ImageError
 from sensing.files.picture_heads import JPEG_START, KINDS, PNG_START, head_of
@@ -110,9 +110,6 @@ def _decoded(data: bytes) -> tuple[NDArray[Any] | None, str]:
     return None if pixels is None else np.asarray(pixels), "".join(said)
 
 
-_SAYING = threading.Lock()
-
-
 @contextmanager
 def _said() -> Iterator[list[str]]:
     """Hold back what decoders, which know no other way, write to standard error; it is in the list afterwards.
@@ -120,7 +117,7 @@ def _said() -> Iterator[list[str]]:
     Where there is no standard error, or no room for what is held back, nothing is.
     """
     said: list[str] = []
-    with _SAYING, ExitStack() as stack:
+    with DIVERTED, ExitStack() as stack:
         with suppress(OSError):
             held = stack.enter_context(tempfile.TemporaryFile())
             kept = os.dup(2)

@@ -20,6 +20,7 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import TextIO
 
+from geometry.diverted import DIVERTED
 from geometry.printable import escape, fit, shown, visible
 from plogic.base.errors import OutputError, ReaderGoneError
 
@@ -147,9 +148,10 @@ def _put(stream: TextIO, text: str, charset: str = "") -> None:
         if isinstance(stream, io.StringIO):  # somebody's own, in the place of a stream
             stream.write(data.decode())
             return
-        stream.flush()
-        stream.buffer.write(data)
-        stream.buffer.flush()
+        with DIVERTED:
+            stream.flush()
+            stream.buffer.write(data)
+            stream.buffer.flush()
     except OSError as error:
         _drop(stream)
         if stream is sys.stderr:
