@@ -4,10 +4,10 @@
 or by name; ``--scenes N``: of its models so many rendered scenes, those of ``plogic bench support`` but for their
 seeds, instead of its photos. The true plane of a photo is the one that the true poses speak for
 (``plogic.cycle.planes``). Prints by how much true poses that stand on it are off it
-(``geometry.bodies.standing.NOISES``); how many of the proposals of a free search that are wrong stand on it
-all the same (``plogic.cycle.planes.BY_CHANCE``), and how many of the others; and how far the plane is on which what was
-accepted stands. Every plain type is looked for on the true plane as well: printed is what the pixels of the best of
-each tell, and what has to be added to that so that it is the logarithm of a likelihood ratio: next to nothing.
+(``geometry.bodies.standing.NOISES``); how many of the proposals that are wrong stand on it all the same, or are level
+above it (``plogic.cycle.planes``, ``FREE`` and ``PUT``), and how many of the others; and how far the plane is on which
+what was accepted stands. Every plain type is looked for on the true plane as well: printed is what the pixels of the
+best of each tell, and what has to be added to that so that it is the logarithm of a likelihood ratio: next to nothing.
 """
 
 import argparse
@@ -24,7 +24,7 @@ from benchmarks.photos.score import OUTLINED, Posed, overlap_of
 from benchmarks.support.bench import scenes_with
 from geometry.arrays import Floats
 from geometry.bodies.resting import Plane
-from geometry.bodies.standing import Known, log_ratios, off
+from geometry.bodies.standing import Known, log_level, log_ratios, off
 from plogic.base.clock import Stopwatch
 from plogic.cycle.delta import Options
 from plogic.cycle.planes import Bodies, Setting, abduced, bodies_of, standing_on
@@ -48,13 +48,13 @@ class Looked(NamedTuple):
     """Of one photo: what true poses are off their plane, rows of tilt (rad) and share of the distance.
 
     ``stand``: of proposals, by whether each was looked for on a plane and is found: whether it is on the true plane,
-    released where it was put there; ``error``: of the plane found, rad and a share of its height, None where there is
-    none. ``narrow``: what pixels tell of the best of each plain type that was looked for on the true plane, and whether
-    it is found.
+    and whether it is level above it instead, released where it was put there; ``error``: of the plane found, rad and a
+    share of its height, None where there is none. ``narrow``: what pixels tell of the best of each plain type that was
+    looked for on the true plane, and whether it is found.
     """
 
     truths: Floats
-    stand: dict[tuple[bool, bool], list[bool]]
+    stand: dict[tuple[bool, bool], list[tuple[bool, bool]]]
     error: tuple[float, float] | None
     narrow: list[tuple[float, bool]]
 
@@ -86,11 +86,13 @@ def looked(perceiver: Perceiver, shown: Shown, numbers: dict[str, int]) -> Looke
     neither = {names.get(number) for number in shown.neither}
     every = (*cycle.accepted, *cycle.considered, *cycle.rejected)
     some = [h for h in every if h.pixels is not None and h.type not in neither]
-    on = standing_on(abduced(some, [], setting, rests)[0], plane, rests) > 0.5
-    told = {(put, found): list[bool]() for put in (False, True) for found in (False, True)}
-    for posed, stands in zip(some, on, strict=True):
+    proposals = abduced(some, [], setting, rests)[0]
+    on, ratios = standing_on(proposals, plane, rests) > 0.5, log_level(proposals.stands, plane)
+    told = {(put, found): list[tuple[bool, bool]]() for put in (False, True) for found in (False, True)}
+    for k, posed in enumerate(some):
         there = any(_found(posed, truth, perceiver, shown) for name, truth in known if name == posed.type)
-        told[posed.released is not None, there].append(bool(stands))
+        level = bool((ratios[proposals.stands.body == k] > 0.0).any()) and not on[k]
+        told[posed.released is not None, there].append((bool(on[k]), level))
     planes = abduced(cycle.accepted, [], setting, rests)[1].planes
     found = planes[0].known.plane if planes else None
     error = None if found is None else (found.turned(plane), abs(found.offset / plane.offset - 1.0))
@@ -149,7 +151,8 @@ def main(kb_folder: str, dataset: Path, scenes: int | None) -> None:
     for put, found in rows[0].stand:
         told = [s for one in rows for s in one.stand[put, found]]
         name = f"{'put on a plane and released' if put else 'free'} proposals that are {'found' if found else 'wrong'}"
-        print(f"{name}: {sum(told)} of {len(told)} stand on the true plane")  # noqa: T201
+        on, level = (sum(some) for some in zip(*told, strict=True)) if told else (0, 0)
+        print(f"{name}: {on} of {len(told)} stand on the true plane, {level} are level above it")  # noqa: T201
     narrow = [row for one in rows for row in one.narrow]
     for name, wanted in (("wrong", False), ("found", True)):
         some = [told for told, found in narrow if found is wanted]

@@ -45,10 +45,18 @@ TILT, DEPTH, ASIDE = 0.12, 0.03, 0.01
 assumed, a little more than what outlines leave free."""
 STANDS = 0.5
 """Probability from which something is told to stand on a plane."""
-BY_CHANCE = 0.12
-"""P(a proposal of what is not there stands where others do): where a search goes wrong, it does so at things that stand
-(9 of 72 in ``lmo``, 1 of 25 in ``ycb``: ``python benchmarks/planes.py KB DATASET``). So about does one that was
-looked for on a plane, where its pixels alone lead it from there (the same)."""
+
+
+class Chance(NamedTuple):
+    """P(a proposal of what is not there stands ``on`` what others do, or ``level`` above a plane)."""
+
+    on: float
+    level: float
+
+
+FREE, PUT = Chance(0.03, 0.05), Chance(0.3, 0.1)
+"""Of a free search, and of what was looked for on a plane and released from there: many stay. Measured in ``lmo``, in
+``ycb`` and in rendered scenes (``python benchmarks/planes.py KB DATASET``)."""
 STACKED = 0.2
 """P(what rests stands on another of Δh), where there is one that it may stand on: assumed."""
 RAISED = 0.1
@@ -71,8 +79,7 @@ class Bodies(NamedTuple):
     """B hypotheses, at most one of each ``kind`` (B,), a number, is there; ``odds`` (B,): logarithms, by all else.
 
     ``names`` (B) of their types; ``stands``: the ways in which each may stand; ``put`` (B,): whether it was looked for
-    on a plane, where it would be whether it is there or not. ``noise``: what of it is in ``stands``; ``chance``: P(a
-    pose would stand as it does, were it not there).
+    on a plane, where it would be whether it is there or not. ``noise``: what of it is in ``stands``.
     """
 
     names: tuple[str, ...]
@@ -81,7 +88,6 @@ class Bodies(NamedTuple):
     stands: Stands
     put: Mask
     noise: Noise = Noise(0.0, 0.0)
-    chance: float = BY_CHANCE
 
     @property
     def present(self) -> Floats:
@@ -97,12 +103,14 @@ class Bodies(NamedTuple):
 class Believed(NamedTuple):
     """A plane, ln of its prior share, and by how much likelier each of B bodies' poses is where it holds.
 
-    ``by``: the types of those that are there and stand on it, more likely than not.
+    ``by_chance``: the same of bodies that are not there. ``by``: the types of those that are there and stand on it,
+    more likely than not.
     """
 
     known: Known
     log_prior: float
     factors: Floats
+    by_chance: Floats
     by: tuple[str, ...]
 
 
@@ -222,7 +230,7 @@ def supported(bodies: Bodies, rests: float) -> Supported:
     from scipy.special import logsumexp
 
     number = len(bodies.kind)
-    planes = _abduced(bodies, rests) if number else []
+    planes = _abduced(bodies, rests) if number and rests else []
     if not planes:
         nothing = np.array([1.0 - NONE, NONE])
         return Supported((), nothing, np.zeros(number), np.log(nothing), np.zeros((2, 0)), (), 0.0)
@@ -231,13 +239,14 @@ def supported(bodies: Bodies, rests: float) -> Supported:
     prior = np.array([*shares, elsewhere, np.log(NONE)])
     elsewhere_too = np.where(bodies.put, 1.0 - rests, 1.0 - rests + rests * RAISED)  # or level above that plane
     factors = np.stack([*(plane.factors for plane in planes), elsewhere_too, np.ones(number)])
-    there = bodies.present
-    of_kind = 1.0 - bodies.sums(there) + np.stack([bodies.sums(there * row) for row in factors])
+    by_chance = np.stack([*(plane.by_chance for plane in planes), *np.ones((2, number))])
+    there, less = bodies.present, np.where(bodies.put, by_chance, 1.0)  # what was put is there whether it holds or not
+    of_kind = 1.0 - bodies.sums(there) + np.stack([bodies.sums(there * row) for row in factors / less])
     logs = prior + np.log(of_kind).sum(axis=1)
     probability = np.exp(logs - logsumexp(logs))
     without = logs[:, None] - np.log(of_kind)[:, bodies.kind]  # (P + 2, B) by all other types
-    present = logsumexp(without + np.log(factors), axis=0) - logsumexp(without, axis=0)
-    worth = present - np.where(bodies.put, 0.0, np.log(_by_chance(bodies, np.exp(present))))
+    present, absent = (logsumexp(without + np.log(some), axis=0) for some in (factors / less, by_chance / less))
+    worth = present - absent
     first = np.unique(bodies.kind, return_index=True)[1]
     types = tuple(bodies.names[body] for body in first)
     told, evidence = np.log(of_kind), float(logsumexp(logs))
@@ -280,38 +289,45 @@ def _settled(bodies: Bodies, plane: Plane, start: int, rests: float) -> Known | 
     return known if known.plane.offset > 0.0 else None
 
 
-def _factors(bodies: Bodies, plane: Plane, rests: float) -> tuple[Floats, Floats, Floats]:
-    """(B,) how much likelier each pose is where the plane holds; (N,) each way's part of it: on it, and above it."""
+class _Factors(NamedTuple):
+    """(B,) how much likelier each pose is where a plane holds: if it is there, and if it is not.
+
+    (N,) each way's part of the first: on the plane, and above it.
+    """
+
+    present: Floats
+    by_chance: Floats
+    on: Floats
+    above: Floats
+
+    def plus(self, told: Floats, bodies: Bodies, rests: float) -> "_Factors":
+        """With (B,) how much likelier each is, if it is there, for what else it may stand on."""
+        chance = np.where(bodies.put, PUT.on, FREE.on) * told / rests
+        return self._replace(present=self.present + told, by_chance=self.by_chance + chance)
+
+
+def _factors(bodies: Bodies, plane: Plane, rests: float) -> _Factors:
     both = np.exp(np.minimum([log_ratios(bodies.stands, plane), log_level(bodies.stands, plane)], 50.0))
-    on, above = np.array([[1.0 - RAISED], [RAISED]]) * rests * bodies.stands.chance * both
-    told = np.bincount(bodies.stands.body, on + above, minlength=len(bodies.kind))
-    return np.asarray(1.0 - rests + told), on, above
-
-
-def _by_chance(bodies: Bodies, factors: Floats) -> Floats:
-    """(B,) how much likelier each pose is where it is not there, for it stands by chance."""
-    return 1.0 - bodies.chance + bodies.chance * factors
-
-
-def _searched(bodies: Bodies, factors: Floats) -> Floats:
-    """(B,) by what factors speak for a plane less: what was looked for on one is there by chance whether it holds."""
-    return np.where(bodies.put, _by_chance(bodies, factors), 1.0)
+    ways = bodies.stands.chance * both
+    there = np.array([[1.0 - RAISED], [RAISED]]) * rests * ways
+    told = [np.bincount(bodies.stands.body, row, minlength=len(bodies.kind)) for row in (there.sum(axis=0), *ways)]
+    on, level = np.where(bodies.put, np.array(PUT)[:, None], np.array(FREE)[:, None])
+    return _Factors(np.asarray(1.0 - rests + told[0]), 1.0 - on - level + on * told[1] + level * told[2], *there)
 
 
 def standing_on(bodies: Bodies, plane: Plane, rests: float) -> Floats:
     """(B,) P(each stands on a plane, given that it is there and that the plane is)."""
-    factors, on, _ = _factors(bodies, plane, rests)
-    told = np.bincount(bodies.stands.body, on, minlength=len(factors))
-    return np.asarray(told / factors)
+    factors = _factors(bodies, plane, rests)
+    return np.asarray(np.bincount(bodies.stands.body, factors.on, minlength=len(bodies.kind)) / factors.present)
 
 
 def _shares(bodies: Bodies, plane: Plane, there: Floats, rests: float) -> tuple[Floats, Floats]:
     """(N,) P(each way of standing is how its body stands), where the plane holds: on it, and above it."""
-    factors, *parts = _factors(bodies, plane, rests)
-    less = _searched(bodies, factors)
-    of_kind = 1.0 - bodies.sums(there) + bodies.sums(there * factors / less)
+    factors = _factors(bodies, plane, rests)
+    less = np.where(bodies.put, factors.by_chance, 1.0)
+    of_kind = 1.0 - bodies.sums(there) + bodies.sums(there * factors.present / less)
     of = bodies.stands.body
-    on, above = (there / less)[of] * np.array(parts) / of_kind[bodies.kind[of]]
+    on, above = (there / less)[of] * np.array([factors.on, factors.above]) / of_kind[bodies.kind[of]]
     return on, above
 
 
@@ -341,12 +357,12 @@ def _stacked(bodies: Bodies, known: Known, on: Floats, there: Floats, rests: flo
 def _weighed(bodies: Bodies, known: Known, there: Floats, rests: float) -> tuple[float, Believed]:
     """How much all bodies speak for a plane; and what they do."""
     shares, _ = _shares(bodies, known.plane, there, rests)
-    factors = _factors(bodies, known.plane, rests)[0] + _stacked(bodies, known, shares, there, rests)
-    factors /= _searched(bodies, factors)
+    factors = _factors(bodies, known.plane, rests).plus(_stacked(bodies, known, shares, there, rests), bodies, rests)
+    less = np.where(bodies.put, factors.by_chance, 1.0)
     volume = 1.5 * np.log(2.0 * np.pi) + 0.5 * float(np.linalg.slogdet(known.covariance)[1])
     log_prior = float(np.log(1.0 - NONE) + min(0.0, float(log_free(known.plane.offset)) + volume))
-    of_kind = 1.0 - bodies.sums(there) + bodies.sums(there * factors)
-    stands = np.bincount(bodies.stands.body, shares, minlength=len(factors))
+    of_kind = 1.0 - bodies.sums(there) + bodies.sums(there * factors.present / less)
+    stands = np.bincount(bodies.stands.body, shares, minlength=len(there))
     by = tuple(name for name, share in zip(bodies.names, stands, strict=True) if share > STANDS)
     told = known._replace(noise=bodies.noise)
-    return log_prior + float(np.log(of_kind).sum()), Believed(told, log_prior, factors, by)
+    return log_prior + float(np.log(of_kind).sum()), Believed(told, log_prior, factors.present, factors.by_chance, by)

@@ -4,7 +4,7 @@ The planes are those that all proposals spoke for (``plogic.cycle.planes``). A h
 of its faces; or on another hypothesis, whose top is under its foot, with a face as level as the likeliest plane.
 """
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from typing import NamedTuple
 
 import numpy as np
@@ -16,11 +16,13 @@ from geometry.bodies.standing import NOISES, Known, Stands, log_level, log_ratio
 from geometry.frames import transform_points
 from plogic.base.walk import by_key
 from plogic.cycle.planes import (
-    BY_CHANCE,
+    FREE,
     MOST,
+    PUT,
     RAISED,
     STACKED,
     Bodies,
+    Chance,
     Setting,
     Supported,
     abduced,
@@ -42,6 +44,9 @@ SLACK = 0.01
 
 LEVEL = 1e-6
 """Length of what is left of the camera's x along a plane, below which it is at right angles to it."""
+
+
+NO_CHANCE = Chance(0.0, 0.0)
 
 
 class _Way(NamedTuple):
@@ -79,9 +84,11 @@ def support_of_view(
     ways = [way for name, known in planes.items() for way in _on_plane(name, bodies.stands, known.plane)]
     if planes:
         ways += _on_others(names, posed, bodies, planes["s1"].plane)
-    by_chance = tuple((name, BY_CHANCE) for name in names[: len(accepted)])  # a rival is no other find
+    finds = zip(names[: len(accepted)], bodies.put, strict=False)  # a rival is no other find
+    chances = {name: PUT if put else FREE for name, put in finds}
     told = tuple(_told(name, known, float(prior[k])) for k, (name, known) in zip(some, planes.items(), strict=True))
-    level = tuple(_level(names, bodies, planes, rests))
+    by_chance = tuple((name, chance.on) for name, chance in chances.items())
+    level = tuple(_level(bodies, planes, rests, [(name, chances.get(name, NO_CHANCE)) for name in names]))
     return Support(rests, float(prior[-1]), told, tuple(_stances(names, ways, rests)), by_chance, level)
 
 
@@ -100,17 +107,20 @@ def _stances(names: list[str], ways: list[_Way], rests: float) -> Iterator[Stanc
 
 
 def _level(
-    names: list[str], bodies: Bodies, planes: Mapping[str, Known], rests: float
+    bodies: Bodies, planes: Mapping[str, Known], rests: float, chances: Sequence[tuple[str, Chance]]
 ) -> Iterator[tuple[str, str, float]]:
-    """By how much likelier each is where it is free, for it may rest level above each plane on something unknown."""
+    """By how much likelier each is where it is free, for it may rest level above each plane on something unknown.
+
+    Over what is not there, and is level by chance. ``chances``: of the bodies, with their names.
+    """
     if rests == 1.0:
         return
     for plane, known in planes.items():
         ratios = bodies.stands.chance * np.exp(log_level(bodies.stands, known.plane))
-        above = np.bincount(bodies.stands.body, ratios, minlength=len(names)) * rests * RAISED / (1.0 - rests)
-        for name, one in zip(names, above, strict=True):
-            if one > WORTHLESS:
-                yield name, plane, float(np.log1p(one))
+        for (name, chance), one in zip(chances, np.bincount(bodies.stands.body, ratios, len(chances)), strict=True):
+            above = one * rests * RAISED / (1.0 - rests)
+            if above > WORTHLESS:
+                yield name, plane, float(np.log1p(above) - np.log1p(chance.level * (one - 1.0)))
 
 
 def _on_plane(name: str, stands: Stands, plane: Plane) -> Iterator[_Way]:

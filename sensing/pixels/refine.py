@@ -82,7 +82,7 @@ class Refined(NamedTuple):
     """A pose (4, 4) and its whole fit; ``hopeless``: nothing fits near, and it was not moved to the end.
 
     ``spread``: as of ``spread_of``; None of what is hopeless and has no contact. ``released`` (4, 4): where the pixels
-    alone lead it from its contact; None without one.
+    alone lead it from its contact, which is the pose itself where they fit better there; None without one.
     """
 
     pose: Floats
@@ -127,9 +127,14 @@ def refined(
 def _at(
     crop: Crop, paint: Paint, pose: Floats, trust: float, contact: Contact | None, *, hopeless: bool = False
 ) -> Refined:
-    fit = fit_of(crop, paint, pose, whole=True)
+    fit, released = fit_of(crop, paint, pose, whole=True), None
+    if contact is not None:
+        released = settled(crop, paint, pose, exact(trust))
+        there = fit_of(crop, paint, released, whole=True)
+        if there.odds > fit.odds:
+            pose, fit = released, there
     spread = spread_of(crop, paint, pose, fit) if contact is not None or not hopeless else None
-    return Refined(pose, fit, hopeless, spread, None if contact is None else settled(crop, paint, pose, exact(trust)))
+    return Refined(pose, fit, hopeless, spread, released)
 
 
 def spread_of(crop: Crop, paint: Paint, pose: Floats, fit: Fit) -> Floats | None:

@@ -15,7 +15,7 @@ from synthetic import CAMERA, cycle_of, data, perceiver, scene, side_by_side, to
 
 from geometry.frames import inverse
 from plogic.cycle.delta import Options, delta_of
-from plogic.cycle.planes import BY_CHANCE
+from plogic.cycle.planes import FREE
 from plogic.facts.interpretation import situation_of, text_of
 from plogic.run.document import document_of
 from plogic.run.perceive import Perceiver
@@ -155,4 +155,4 @@ def test_either_gravity_or_support_weighs_what_a_hypothesis_rests_on():
     gamma = replace(shot().gamma, camera=replace(shot().gamma.camera, world_from_camera=None))
     silent = of(data(replace(shot(), gamma=gamma)), gravity=True)
     assert silent.gravity.silent
-    assert silent.support.by_chance == tuple((h.id, BY_CHANCE) for h in silent.hypotheses)
+    assert silent.support.by_chance == tuple((h.id, FREE.on) for h in silent.hypotheses)

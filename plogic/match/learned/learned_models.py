@@ -264,8 +264,7 @@ class LearnedSearch(Search):
     """The search in what is left of Γ.
 
     ``_searched``: the types searched for before, each with how many of it were accepted then; ``_seen``: the poses that
-    the whole photo suggested of them; ``_odds``: what pixels told at most of each, and ``_demanded`` by that;
-    ``_stood``: the planes on which each was looked for.
+    the whole photo suggested of them; ``_odds``: what pixels told at most of each, and ``_demanded`` by that.
     """
 
     models: Mapping[str, LearnedIndex]
@@ -274,7 +273,6 @@ class LearnedSearch(Search):
     _seen: dict[str, Seen] = field(default_factory=dict)
     _odds: dict[str, float] = field(default_factory=dict)
     _demanded: float = SEEN
-    _stood: dict[str, list[Known]] = field(default_factory=dict)
 
     @cached_property
     def _voted(self) -> dict[str, Voted]:
@@ -340,29 +338,22 @@ class LearnedSearch(Search):
         self._demanded = demanded(np.array(list({**self._odds, **odds}.values())))
 
     def standing(self, supports: Sequence[Known], left: Data, given: Given) -> Generator[Found]:
-        """The hypotheses of each type on a plane or on tops; of none where it was looked for before."""
+        """The hypotheses of each type of which none is accepted, on a plane or on tops, behind what is accepted."""
         taken, before, maps = bodies(self.models, given.accepted), hiding(given.accepted), self._maps
-        new = {
-            name: [known for known in supports if not any(known.same(old) for old in self._stood.get(name, ()))]
-            for name in sorted(self.models)
-            if not given.count(name)
-        }
-        asked = [self.models[name] for name, some in new.items() if some]
+        asked = [self.models[name] for name in sorted(self.models) if not given.count(name)]
         if maps is not None:
             draw([index for index in asked if index.paint is not None], self.request.processes)
 
         def search(index: LearnedIndex) -> tuple[Found, Seen]:
-            some = new[index.object_type.name]
             found = [
                 row
-                for known, seen in zip(some, seen_on(index, maps, self.request.data, some), strict=True)
+                for known, seen in zip(supports, seen_on(index, maps, self.request.data, supports), strict=True)
                 for row in resting(index, known, left, self.request.kb, taken, before=before, seen=seen)
             ]
             return distinct(found, index.object_type), NOT_SEEN
 
         with closing(searched(search, asked, left, self.request.processes)) as searches:
-            for index, (found, _) in zip(asked, searches, strict=True):
-                self._stood.setdefault(index.object_type.name, []).extend(new[index.object_type.name])
+            for found, _ in searches:
                 yield found
 
     def stood(self, posed: Hypothesis, known: Known, others: Sequence[Hypothesis]) -> Hypothesis:
