@@ -30,11 +30,14 @@ GRAZING = 0.08
 """Sine of the angle at which a plane is seen, at the least."""
 ALIKE_UP, ALIKE_HEIGHT = 0.1, 0.05
 """Planes are alike whose normals differ by less (rad), and whose heights by less than this share."""
+STILL = 0.5
+"""Share of both within which a plane on which something was looked for is still the same."""
 
 
-def alike(one: Plane, other: Plane) -> bool:
-    """Whether two planes, both below the camera, are nearly the same."""
-    return bool(one.turned(other) < ALIKE_UP and abs(np.log(one.offset / other.offset)) < ALIKE_HEIGHT)
+def alike(one: Plane, other: Plane, share: float = 1.0) -> bool:
+    """Whether two planes, both below the camera, are nearly the same, within a ``share`` of what is alike."""
+    turned, higher = one.turned(other), abs(np.log(one.offset / other.offset))
+    return bool(turned < share * ALIKE_UP and higher < share * ALIKE_HEIGHT)
 
 
 class Stands(NamedTuple):
@@ -98,8 +101,8 @@ class Known(NamedTuple):
     def same(self, other: "Known") -> bool:
         """Whether two are nearly the same, and in nearly the same place."""
         if self.area is None or other.area is None:
-            return self.area is other.area and alike(self.plane, other.plane)
-        return alike(self.plane, other.plane) and bool(self.over(other.area.at[None], -0.5 * self.area.wide)[0])
+            return self.area is other.area and alike(self.plane, other.plane, STILL)
+        return alike(self.plane, other.plane, STILL) and bool(self.over(other.area.at[None], -0.5 * self.area.wide)[0])
 
 
 def ways(body: int, faces: RestingFaces, pose: Floats, middle: Floats, tilt: float, spread: Floats) -> Stands:

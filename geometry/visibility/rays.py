@@ -41,14 +41,14 @@ class RayMesh:
 
         self.vertices, self.triangles = checked_mesh(vertices, triangles)
         low, high = self.vertices.min(axis=0), self.vertices.max(axis=0)
-        self.size = float(np.linalg.norm(high - low))  # m, diagonal of the box round it
-        self._centre, self._scale = (low + high) / 2, 2.0 / max(self.size, 1e-300)
+        self.size = float(np.linalg.norm(high - low))  # m, diagonal of the box round it, of this ``centre`` (3,)
+        self.centre, self._scale = (low + high) / 2, 2.0 / max(self.size, 1e-300)
         corners = self.vertices[self.triangles]
         self._corner = corners[:, 0]
         self._normals = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
         check_room(_TRIANGLE * len(self.triangles))
         self._scene = EmbreeScene(device=_device(), robust=True)  # no cracks along shared edges
-        unit = ((self.vertices - self._centre) * self._scale).astype(np.float32)
+        unit = ((self.vertices - self.centre) * self._scale).astype(np.float32)
         self._mesh = TriangleMesh(self._scene, unit, self.triangles.astype(np.int32))
 
     def first_hit(self, origins: ArrayLike, directions: ArrayLike) -> Floats:
@@ -72,8 +72,8 @@ class RayMesh:
 
     def seen_from(self, eye: Floats, unit: NDArray[np.float32]) -> NDArray[np.int32]:
         """The index (N,) of the triangle that each of unit vectors (N, 3) from one place (3,) m meets first, or -1."""
-        lead = max(0.0, float(np.linalg.norm(eye - self._centre)) - self.size)
-        near = np.float32(lead * self._scale) * unit + ((eye - self._centre) * self._scale).astype(np.float32)
+        lead = max(0.0, float(np.linalg.norm(eye - self.centre)) - self.size)
+        near = np.float32(lead * self._scale) * unit + ((eye - self.centre) * self._scale).astype(np.float32)
         return np.asarray(self._scene.run(near, unit), np.int32)
 
     def blocks(self, viewpoint: ArrayLike, points: ArrayLike, tolerance: float) -> Mask:
@@ -88,8 +88,8 @@ class RayMesh:
 
     def _shoot(self, start: Floats, unit: Floats) -> tuple[Floats, Ints]:
         """Distances and triangles of finite rays with unit directions, each begun at the sphere round the surface."""
-        lead = np.maximum(0.0, lengths(start - self._centre) - self.size)  # keeps single precision fine
-        near = ((start + lead[:, None] * unit - self._centre) * self._scale).astype(np.float32)
+        lead = np.maximum(0.0, lengths(start - self.centre) - self.size)  # keeps single precision fine
+        near = ((start + lead[:, None] * unit - self.centre) * self._scale).astype(np.float32)
         answer = self._scene.run(near, unit.astype(np.float32), output=True)
         distance, triangle = np.full(len(unit), np.inf), np.asarray(answer["primID"], dtype=np.int64)
         hit = np.flatnonzero(triangle >= 0)
@@ -158,7 +158,24 @@ def depth_of(mesh: RayMesh, camera_from_object: Floats, K: Floats, size: tuple[i
 
     ``camera_from_object`` (4, 4), ``K`` (3, 3) of a camera without a lens, ``size`` the picture's width and height.
     """
-    u, v = np.meshgrid(np.arange(size[0]), np.arange(size[1]))
-    rays = np.stack([(u - K[0, 2]) / K[0, 0], (v - K[1, 2]) / K[1, 1], np.ones(u.shape)], axis=-1).reshape(-1, 3)
-    far = mesh.first_hit(inverse(camera_from_object)[:3, 3][None], rays @ camera_from_object[:3, :3])
-    return np.asarray((far / np.linalg.norm(rays, axis=1)).reshape(u.shape))
+    result = np.full(size[::-1], np.inf)
+    left, right = _span(mesh, camera_from_object, K, size[0], 0)
+    top, bottom = _span(mesh, camera_from_object, K, size[1], 1)
+    u, v = np.meshgrid(np.arange(left, right), np.arange(top, bottom))
+    if u.size:
+        rays = np.stack([(u - K[0, 2]) / K[0, 0], (v - K[1, 2]) / K[1, 1], np.ones(u.shape)], axis=-1).reshape(-1, 3)
+        far = mesh.first_hit(inverse(camera_from_object)[:3, 3][None], rays @ camera_from_object[:3, :3])
+        result[top:bottom, left:right] = (far / np.linalg.norm(rays, axis=1)).reshape(u.shape)
+    return result
+
+
+def _span(mesh: RayMesh, pose: Floats, K: Floats, number: int, axis: int) -> tuple[int, int]:
+    """From which to before which of ``number`` pixels along an axis the ball around a posed surface is seen."""
+    middle, radius = transform_points(pose, mesh.centre[None])[0], 0.5 * mesh.size * (1.0 + TOLERANCE)
+    aside, ahead = middle[axis], middle[2]
+    if ahead <= radius:  # it is about the camera, or behind it
+        return 0, number
+    reach = radius * np.sqrt(max(aside**2 + ahead**2 - radius**2, 0.0))
+    ends = (aside * ahead + np.array([-reach, reach])) / (ahead**2 - radius**2) * K[axis, axis] + K[axis, 2]
+    low, high = np.clip([np.floor(ends[0]), np.ceil(ends[1]) + 1.0], 0.0, number)
+    return int(low), int(high)

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from contextlib import closing
 from dataclasses import fields
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, TypeVar
 
 from plogic.base.jobs import each
 from plogic.facts.hypothesis import Hypothesis
@@ -19,7 +19,6 @@ if TYPE_CHECKING:
     from plogic.match.gamma.data import Data
     from plogic.match.judged.type_models import Found
     from plogic.match.learned.learned_models import LearnedIndex
-    from plogic.match.learned.learned_pixels import Seen
 
 
 def ask(indices: Iterable[LearnedIndex], data: Data) -> None:
@@ -28,24 +27,25 @@ def ask(indices: Iterable[LearnedIndex], data: Data) -> None:
         lexicon.ask(data)
 
 
+More = TypeVar("More")
 _SAID = tuple(field.name for field in fields(Hypothesis) if field.name != "known_type")
 
 
 def searched(
-    search: Callable[[LearnedIndex], tuple[Found, Seen]], indices: Sequence[LearnedIndex], data: Data, processes: int
-) -> Generator[tuple[Found, Seen]]:
-    """The hypotheses that a search finds of each index in ``data``, in their order; the poses that looks suggest."""
+    search: Callable[[LearnedIndex], tuple[Found, More]], indices: Sequence[LearnedIndex], data: Data, processes: int
+) -> Generator[tuple[Found, More]]:
+    """The hypotheses that a search finds of each index in ``data``, in their order; and what else it comes to."""
     if processes > 1:
         ask(indices, data)
 
-    def said(index: LearnedIndex) -> tuple[list[tuple[float, list[Any]]], Seen]:
-        found, seen = search(index)
-        return [(ratio, [getattr(posed, name) for name in _SAID]) for ratio, posed in found], seen
+    def said(index: LearnedIndex) -> tuple[list[tuple[float, list[Any]]], More]:
+        found, more = search(index)
+        return [(ratio, [getattr(posed, name) for name in _SAID]) for ratio, posed in found], more
 
     with closing(each(said, indices, processes)) as answers:
-        for index, (answer, seen) in zip(indices, answers, strict=True):
+        for index, (answer, more) in zip(indices, answers, strict=True):
             found = [
                 (ratio, Hypothesis(known_type=index.object_type, **dict(zip(_SAID, arrays, strict=True))))
                 for ratio, arrays in answer
             ]
-            yield found, seen
+            yield found, more

@@ -26,15 +26,15 @@ from plogic.facts.hypothesis import Hypothesis
 from plogic.match.gamma.data import Data
 from plogic.match.judged.evidence import evidence
 from plogic.match.judged.expectation import polished, settled
-from plogic.match.judged.rivals import distinct
 from plogic.match.judged.type_models import SURE, Found, Given, Ranks, Request, Search, Setup, TypeModel, TypeModels
 from plogic.match.learned.agreement import Lobes, lobes_of
 from plogic.match.learned.convincing import demanded
 from plogic.match.learned.keypoints import Lexicon, lexicon_of
 from plogic.match.learned.learned_jobs import ask, searched
 from plogic.match.learned.learned_match import ROBUST, matched, pose_of, precision
-from plogic.match.learned.learned_pixels import NOT_SEEN, Seen, hiding, looked_beside, pictured, stood
-from plogic.match.learned.learned_poses import NOBODY, REFINED, VERIFIED, Voted, generate, resting, voted
+from plogic.match.learned.learned_pixels import Seen, hiding, looked_beside, pictured, stood
+from plogic.match.learned.learned_poses import NOBODY, REFINED, VERIFIED, Voted, generate, voted
+from plogic.match.learned.learned_standing import Place, Stood, on_supports
 from plogic.match.learned.learned_views import (
     PRINTED,
     SEEN,
@@ -43,7 +43,6 @@ from plogic.match.learned.learned_views import (
     keypoints_shown,
     maps_for,
     seen_anywhere,
-    seen_on,
 )
 from plogic.measures.distinctiveness import Kinds, kinds_of, rank_of_kinds
 
@@ -264,7 +263,8 @@ class LearnedSearch(Search):
     """The search in what is left of Γ.
 
     ``_searched``: the types searched for before, each with how many of it were accepted then; ``_seen``: the poses that
-    the whole photo suggested of them; ``_odds``: what pixels told at most of each, and ``_demanded`` by that.
+    the whole photo suggested of them; ``_odds``: what pixels told at most of each, and ``_demanded`` by that;
+    ``_stood``: on what each was looked for.
     """
 
     models: Mapping[str, LearnedIndex]
@@ -273,6 +273,7 @@ class LearnedSearch(Search):
     _seen: dict[str, Seen] = field(default_factory=dict)
     _odds: dict[str, float] = field(default_factory=dict)
     _demanded: float = SEEN
+    _stood: dict[str, list[Stood]] = field(default_factory=dict)
 
     @cached_property
     def _voted(self) -> dict[str, Voted]:
@@ -338,22 +339,21 @@ class LearnedSearch(Search):
         self._demanded = demanded(np.array(list({**self._odds, **odds}.values())))
 
     def standing(self, supports: Sequence[Known], left: Data, given: Given) -> Generator[Found]:
-        """The hypotheses of each type of which none is accepted, on a plane or on tops, behind what is accepted."""
-        taken, before, maps = bodies(self.models, given.accepted), hiding(given.accepted), self._maps
+        """The hypotheses of each type of which none is accepted, on planes or tops.
+
+        Where it was looked for before, those alone that what was accepted since may hide.
+        """
+        place = Place(self.request, left, tuple(given.accepted), bodies(self.models, given.accepted), self._maps)
         asked = [self.models[name] for name in sorted(self.models) if not given.count(name)]
-        if maps is not None:
+        if place.maps is not None:
             draw([index for index in asked if index.paint is not None], self.request.processes)
 
-        def search(index: LearnedIndex) -> tuple[Found, Seen]:
-            found = [
-                row
-                for known, seen in zip(supports, seen_on(index, maps, self.request.data, supports), strict=True)
-                for row in resting(index, known, left, self.request.kb, taken, before=before, seen=seen)
-            ]
-            return distinct(found, index.object_type), NOT_SEEN
+        def search(index: LearnedIndex) -> tuple[Found, list[Stood]]:
+            return on_supports(index, supports, self._stood.get(index.object_type.name, ()), place)
 
         with closing(searched(search, asked, left, self.request.processes)) as searches:
-            for found, _ in searches:
+            for index, (found, stood) in zip(asked, searches, strict=True):
+                self._stood[index.object_type.name] = stood
                 yield found
 
     def stood(self, posed: Hypothesis, known: Known, others: Sequence[Hypothesis]) -> Hypothesis:

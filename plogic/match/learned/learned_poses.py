@@ -215,13 +215,15 @@ def resting(
     *,
     before: Sequence[Before] = (),
     seen: Seen = NOT_SEEN,
+    anew: bool = True,
 ) -> list[tuple[float, Hypothesis]]:
     """Γ's poses on the plane, settled and then free to leave it, with log-likelihood ratios, best first.
 
     ``taken`` (N, 4): middles, camera frame, and inner radii of bodies that stand there already, m; ``seen``:
-    poses on the plane that the photo suggests otherwise. By pixels they leave it as far as it is not known.
+    poses on the plane that the photo suggests otherwise; not ``anew``: these alone. By pixels they leave it as far as
+    it is not known.
     """
-    best, worth = _rested(index, known, data, kb, taken)
+    best, worth = _rested(index, known, data, kb, taken) if anew else (NO_POSES, np.zeros(0))
     if data.photo is not None and index.paint is not None:
         seen = seen.some(clear_of(taken, index, seen.poses))
         contact = Contact(known, index.resting)
