@@ -30,8 +30,6 @@ GRAZING = 0.08
 """Sine of the angle at which a plane is seen, at the least."""
 ALIKE_UP, ALIKE_HEIGHT = 0.1, 0.05
 """Planes are alike whose normals differ by less (rad), and whose heights by less than this share."""
-STILL = 0.5
-"""Share of both within which a plane on which something was looked for is still the same."""
 
 
 def alike(one: Plane, other: Plane, share: float = 1.0) -> bool:
@@ -98,11 +96,11 @@ class Known(NamedTuple):
         off = places - self.area.at
         return np.asarray(np.linalg.norm(off @ along_plane(self.plane.up), axis=1) < self.area.wide + beside)
 
-    def same(self, other: "Known") -> bool:
-        """Whether two are nearly the same, and in nearly the same place."""
+    def same(self, other: "Known", share: float = 1.0) -> bool:
+        """Whether two are nearly the same, within a ``share`` of what is alike, and in nearly the same place."""
         if self.area is None or other.area is None:
-            return self.area is other.area and alike(self.plane, other.plane, STILL)
-        return alike(self.plane, other.plane, STILL) and bool(self.over(other.area.at[None], -0.5 * self.area.wide)[0])
+            return self.area is other.area and alike(self.plane, other.plane, share)
+        return alike(self.plane, other.plane, share) and bool(self.over(other.area.at[None], -0.5 * self.area.wide)[0])
 
 
 def ways(body: int, faces: RestingFaces, pose: Floats, middle: Floats, tilt: float, spread: Floats) -> Stands:

@@ -6,7 +6,7 @@ Vocabulary, each with an example value:
 
 * ``SupportPlane("s1", (0.0, -0.8, -0.6), -0.9, covariance, prior=0.7)``: a plane of the camera's frame.
 * ``Stance("h1", "s1", 2, chance=0.3, log_ratio=4.1)``: h1 stands on s1 with the third of its type's stable poses.
-* ``Support(rests=0.9, none=0.05, planes, stances, (("h1", 0.12),))``: all of it.
+* ``Support(rests=0.9, none=0.05, planes, stances, (("h1", 0.03),))``: all of it.
 """
 
 from __future__ import annotations

@@ -2,7 +2,7 @@
 
 ``P1/T::support(s1); P2/T::support(none) :- ...`` is the one choice of an image; what is left is a plane that is none of
 those named. Each hypothesis that has a footing has a choice of ways to stand on a plane, and one for all others.
-``0.12::by_chance(h1).``: it has a footing where it is absent, too.
+``0.03::by_chance(h1).``: it has a footing where it is absent, too.
 """
 
 from collections.abc import Iterator

@@ -1,4 +1,4 @@
-"""What was looked for on a plane is looked for there again where the plane moved, or somebody stands before it since."""
+"""What was looked for on a plane is looked for again where the plane moved, or somebody stands before it since."""
 
 from types import SimpleNamespace
 
@@ -62,7 +62,7 @@ def test_a_plane_is_searched_once_and_then_what_new_bodies_may_hide(index, asked
     assert len(planes) == len(stood) == 1
 
 
-@pytest.mark.parametrize(("share", "anew"), [(0.01, False), (0.04, True)])
+@pytest.mark.parametrize(("share", "anew"), [(0.001, False), (0.06, True)])
 def test_a_plane_that_moved_is_searched_anew(index, asked, share, anew):
     _, stood = on_supports(index, [PLANE], [], place())
     moved = PLANE._replace(plane=Plane(UP, 0.4 * (1.0 + share)))
