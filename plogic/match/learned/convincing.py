@@ -15,7 +15,7 @@ import numpy as np
 if TYPE_CHECKING:
     from geometry.arrays import Floats
 
-THERE = 5.0
+THERE = 10.0
 """Odds from which a type is taken to be there."""
 BEFORE = 1.0, 3.0
 """Of types, so many that are there and that are not are known before the photo is."""
