@@ -3,9 +3,10 @@
 ``python benchmarks/planes.py KB DATASET``: the types of KB are those of DATASET, real photos in BOP's layout, by number
 or by name; ``--scenes N``: of its models so many rendered scenes, those of ``plogic bench support`` but for their
 seeds, instead of its photos. The true plane of a photo is the one that the true poses speak for
-(``plogic.cycle.planes``). Prints by how much true poses that stand on it are off it
-(``geometry.bodies.standing.NOISES``); how many of the proposals that are wrong stand on it all the same, or are level
-above it (``plogic.cycle.planes``, ``FREE`` and ``PUT``), and how many of the others; and how far the plane is on which
+(``plogic.cycle.planes``). Prints by how much true poses that stand on it are off it, and by how many nats they speak
+for their planes (``geometry.bodies.standing.NOISES``); how many of the proposals that are wrong stand on it all the
+same, or are level above it (``plogic.cycle.planes``, ``FREE`` and ``PUT``), and how many of the others; and how far the
+plane is on which
 what was accepted stands. Every plain type is looked for on the true plane as well: printed is what the pixels of the
 best of each tell, and what has to be added to that so that it is the logarithm of a likelihood ratio: next to nothing.
 """
@@ -24,10 +25,10 @@ from benchmarks.photos.score import OUTLINED, Posed, overlap_of
 from benchmarks.support.bench import scenes_with
 from geometry.arrays import Floats
 from geometry.bodies.resting import Plane
-from geometry.bodies.standing import Known, log_level, log_ratios, off
+from geometry.bodies.standing import Known, joined, log_level, log_ratios, off, ways
 from plogic.base.clock import Stopwatch
 from plogic.cycle.delta import Options
-from plogic.cycle.planes import Bodies, Setting, abduced, bodies_of, standing_on
+from plogic.cycle.planes import Bodies, Setting, abduced, bodies_of, standing_on, supported, with_noise
 from plogic.facts.hypothesis import Hypothesis
 from plogic.match.gamma.data import data_of
 from plogic.match.learned.learned_models import LearnedIndex
@@ -40,6 +41,8 @@ from plogic.run.sources import detected, kb_of
 from sensing.detectors.detector import detect
 from sensing.pixels.photo import Photo
 
+EXACT = 0.003, 0.001
+"""Radians and metres: the noise of true poses."""
 DEVELOPED = 60_000
 """First seed of rendered scenes: those of the benchmark are from 40000 on."""
 
@@ -47,13 +50,14 @@ DEVELOPED = 60_000
 class Looked(NamedTuple):
     """Of one photo: what true poses are off their plane, rows of tilt (rad) and share of the distance.
 
-    ``stand``: of proposals, by whether each was looked for on a plane and is found: whether it is on the true plane,
-    and whether it is level above it instead, released where it was put there; ``error``: of the plane found, rad and a
-    share of its height, None where there is none. ``narrow``: what pixels tell of the best of each plain type that was
-    looked for on the true plane, and whether it is found.
+    ``evidence``: by how many nats they speak for it. ``stand``: of proposals, by whether each was looked for on a plane
+    and is found: whether it is on the true plane, and whether it is level above it instead, released where it was put
+    there; ``error``: of the plane found, rad and a share of its height, None where there is none. ``narrow``: what
+    pixels tell of the best of each plain type that was looked for on the true plane, and whether it is found.
     """
 
     truths: Floats
+    evidence: float
     stand: dict[tuple[bool, bool], list[tuple[bool, bool]]]
     error: tuple[float, float] | None
     narrow: list[tuple[float, bool]]
@@ -68,6 +72,15 @@ def off_plane(bodies: Bodies, plane: Plane, rests: float) -> Floats:
         way = max(np.flatnonzero(stands.body == body), key=lambda k: ratios[k])
         rows.append((np.linalg.norm(tilted[way]), above[way] / np.linalg.norm(stands.foot[way])))
     return np.array(rows).reshape(-1, 2)
+
+
+def exact_bodies(truths: list[Hypothesis], setting: Setting) -> Bodies:
+    """True poses, which are known to ``EXACT``, off what they stand on."""
+    tilt, spread = EXACT[0], EXACT[1] ** 2 * np.eye(3)
+    models = [setting.models[one.type] for one in truths]
+    rows = enumerate(zip(truths, models, strict=True))
+    stands = joined([ways(k, m.resting, one.camera_from_object, m.centre, tilt, spread) for k, (one, m) in rows])
+    return with_noise(bodies_of(truths, [], setting)._replace(stands=stands))
 
 
 def looked(perceiver: Perceiver, shown: Shown, numbers: dict[str, int]) -> Looked | None:
@@ -102,7 +115,8 @@ def looked(perceiver: Perceiver, shown: Shown, numbers: dict[str, int]) -> Looke
         for best in looked_for(perceiver, shown, on_it)
         if best.type not in neither
     ]
-    return Looked(off_plane(bodies, plane, rests), told, error, narrow)
+    evidence = supported(exact_bodies(truths, setting), rests).evidence
+    return Looked(off_plane(bodies, plane, rests), evidence, told, error, narrow)
 
 
 def looked_for(perceiver: Perceiver, shown: Shown, known: Known) -> Iterator[Hypothesis]:
@@ -148,6 +162,7 @@ def main(kb_folder: str, dataset: Path, scenes: int | None) -> None:
     truths = np.concatenate([one.truths for one in rows])
     tilt, level = np.sqrt(np.mean(truths[:, 0] ** 2) / 2.0), np.sqrt(np.mean(truths[:, 1] ** 2))
     print(f"{len(truths)} true poses: off their plane by {tilt:.3f} rad about each axis, {level:.4f} of the distance")  # noqa: T201 - a script
+    print(f"they speak for their planes by {sum(one.evidence for one in rows):.1f} nats")  # noqa: T201
     for put, found in rows[0].stand:
         told = [s for one in rows for s in one.stand[put, found]]
         name = f"{'put on a plane and released' if put else 'free'} proposals that are {'found' if found else 'wrong'}"

@@ -16,17 +16,15 @@ from itertools import product
 from typing import Any, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from geometry.arrays import Floats, Ints
 
 GRAIN = 0.01
-"""Share of the body's size to which its corners are rounded: what is smaller tips nobody."""
+"""Share of the body's size within which corners are as low as a face: scans are as rough."""
+EXACT = 1e-9
+"""The same within which the middle of mass is above a facet's rim, so that two which share a plane lack nothing."""
 ALIKE = 0.14
 """Radians by less than which two faces differ that are told as one, that of the larger support."""
-FIRM = 0.001
-"""Least way from under the middle of mass to the rim of its support, a share of the size; more would lack faces that
-bulging things lie on."""
 ROUND = 6
 """Decimals to which two directions are one."""
 SNAP = 0.175
@@ -71,7 +69,7 @@ class RestingFaces:
 
     ``reach`` (K,) m, down·x of the face: its distance below the frame's origin. ``weight`` (K,): P(it stands on that
     face, given that it stands), of sum 1. Standing there it is ``tall`` (K,) m, and reaches ``wide`` (K,) m to its
-    sides, on average.
+    sides, on average. ``bent`` (K,) rad: what it bulges there, the standard deviation about each axis.
     """
 
     down: Floats
@@ -79,6 +77,7 @@ class RestingFaces:
     weight: Floats
     tall: Floats
     wide: Floats
+    bent: Floats
 
     def planes(self, pose: Floats) -> tuple[Floats, Floats]:
         """``up`` (K, 3) and ``offset`` (K,) of the planes under a body at ``pose`` (4, 4), in its frame."""
@@ -89,33 +88,40 @@ class RestingFaces:
 def resting_faces(points: Floats) -> RestingFaces:
     """Of the body that is the hull of ``points`` (N, 3) m, evenly filled; the widest support first.
 
-    Points of a plane have none. Each different way to stand has the same weight; faces that are alike (``EQUAL``) are
-    one way, and share it.
+    A facet of the hull holds it whose own area is straight below the middle of mass. Facets that are ``ALIKE`` are told
+    as that of the widest support, and how far the others are turned from it. Points of a plane have none. Each
+    different way to stand has the same weight; faces that are alike (``EQUAL``) are one way, and share it.
     """
     from scipy.spatial import ConvexHull, QhullError
 
-    none = _faces(points, np.zeros((0, 3)), np.zeros(0))
+    none = _faces(points, np.zeros((0, 3)), np.zeros(0), np.zeros(0))
     if not len(points):
         return none
     size = float(np.linalg.norm(np.ptp(points, axis=0)))
-    grain = max(GRAIN * size, 1e-12)
     try:
-        hull: Any = ConvexHull(np.unique(np.round(points / grain), axis=0) * grain)
+        hull: Any = ConvexHull(points)
     except QhullError:  # of no volume
         return none
-    normal, reach = hull.equations[:, :3], -hull.equations[:, 3]
-    corners = hull.points[hull.simplices]
-    middle = _middle_of_mass(corners, hull.points[hull.vertices].mean(axis=0))
-    below = _over(normal, reach, middle, grain / 2.0)
-    supports = [_support(hull.points[hull.vertices], normal[i], reach[i], middle, grain) for i in below]
-    order = sorted((i for i, (firm, _) in enumerate(supports) if firm > FIRM * size), key=lambda i: -supports[i][1])
+    corners, vertices = hull.points[hull.simplices], hull.points[hull.vertices]
+    middle = _middle_of_mass(corners, vertices.mean(axis=0))
+    below = _below(corners, hull.equations[:, :3], middle, EXACT * size)
+    normal, reach = hull.equations[below, :3], -hull.equations[below, 3]
+    area = np.array([_area(vertices, *row, GRAIN * size) for row in zip(normal, reach, strict=True)])
     kept: list[int] = []
-    for i in order:
-        if all(normal[below[i]] @ normal[below[k]] < np.cos(ALIKE) for k in kept):
-            kept.append(i)
-    down, area = normal[below[kept]], np.array([supports[i][1] for i in kept])
+    for i in np.argsort(-area, kind="stable"):
+        if all(normal[i] @ normal[k] < np.cos(ALIKE) for k in kept):
+            kept.append(int(i))
+    down = normal[kept]
     reach = (points @ down.T).max(axis=0)
-    return _faces(points, down, _shared((reach - down @ middle) / size, area))
+    return _faces(points, down, _shared((reach - down @ middle) / size, area[kept]), _bent(normal, down))
+
+
+def _bent(normal: Floats, down: Floats) -> Floats:
+    """(K,) rad: how far facets' normals (T, 3) are off the nearest of ``down`` (K, 3), about each axis, on average."""
+    angle = np.arccos(np.clip(normal @ down.T, -1.0, 1.0))
+    nearest = angle.argmin(axis=1)
+    count = np.bincount(nearest, minlength=len(down))
+    return np.asarray(np.sqrt(np.bincount(nearest, angle.min(axis=1) ** 2, minlength=len(down)) / (2.0 * count)))
 
 
 def stated_faces(points: Floats, down: Floats, weight: Floats) -> RestingFaces:
@@ -130,17 +136,17 @@ def stated_faces(points: Floats, down: Floats, weight: Floats) -> RestingFaces:
     _, first, place = np.unique(np.round(found, ROUND), axis=0, return_index=True, return_inverse=True)
     total = np.bincount(place.ravel(), weights=weight) / weight.sum()
     order = np.lexsort((first, -np.round(total, ROUND)))
-    kept = found[first[order]]
-    return _faces(points, kept, total[order])
+    kept = first[order]
+    return _faces(points, found[kept], total[order], np.append(faces.bent, 0.0)[which[kept]])
 
 
-def _faces(points: Floats, down: Floats, weight: Floats) -> RestingFaces:
+def _faces(points: Floats, down: Floats, weight: Floats, bent: Floats) -> RestingFaces:
     """The faces of normals (K, 3) of the hull of ``points`` (N, 3) m."""
     if not len(down):
-        return RestingFaces(down, np.zeros(0), weight, np.zeros(0), np.zeros(0))
+        return RestingFaces(down, np.zeros(0), weight, np.zeros(0), np.zeros(0), bent)
     along = points @ down.T
     wide = [0.5 * float(np.ptp(points @ along_plane(one), axis=0).mean()) for one in down]
-    return RestingFaces(down, along.max(axis=0), weight, np.ptp(along, axis=0), np.array(wide))
+    return RestingFaces(down, along.max(axis=0), weight, np.ptp(along, axis=0), np.array(wide), bent)
 
 
 def meant(faces: RestingFaces, down: Floats) -> Ints:
@@ -177,25 +183,25 @@ def _middle_of_mass(corners: Floats, inside: Floats) -> Floats:
     return np.asarray(inside + (volume[:, None] * spokes.sum(axis=1)).sum(axis=0) / (4.0 * volume.sum()))
 
 
-def _over(normal: Floats, reach: Floats, middle: Floats, slack: float) -> NDArray[np.intp]:
-    """Which faces, of normals (T, 3), the middle of mass (3,) is straight above, were they below.
+def _below(corners: Floats, normal: Floats, middle: Floats, slack: float) -> Ints:
+    """Which facets (T, 3, 3), of normals (T, 3), the middle of mass (3,) is straight above, were they below.
 
-    Its foot is in the body, ``slack`` aside (m).
+    Its foot is in the facet, or ``slack`` aside (m).
     """
-    feet = middle + (reach - normal @ middle)[:, None] * normal
-    return np.flatnonzero((feet @ normal.T - reach).max(axis=1) <= slack)
+    foot = middle + ((corners[:, 0] - middle) * normal).sum(axis=1)[:, None] * normal
+    first, second, third = (corners[:, i] - foot for i in range(3))
+    turns = [np.cross(a, b) for a, b in ((first, second), (second, third), (third, first))]
+    turn = np.stack([(some * normal).sum(axis=1) for some in turns], axis=1)
+    longest = np.linalg.norm(corners - np.roll(corners, 1, axis=1), axis=2).max(axis=1)
+    return np.flatnonzero((turn * np.sign(turn.sum(axis=1))[:, None]).min(axis=1) >= -slack * longest)
 
 
-def _support(vertices: Floats, normal: Floats, reach: float, middle: Floats, grain: float) -> tuple[float, float]:
-    """How far inside its support the middle of mass is (m, negative outside), and the support's area (m²).
-
-    Of vertices (V, 3) about a face.
-    """
+def _area(vertices: Floats, normal: Floats, reach: float, grain: float) -> float:
+    """The area (m²) of the support of vertices (V, 3) that are as low as a face, to half a grain."""
     from scipy.spatial import ConvexHull
 
-    axes = along_plane(normal)
-    held: Any = ConvexHull(vertices[vertices @ normal > reach - grain / 2.0] @ axes)
-    return -float((held.equations[:, :2] @ (middle @ axes) + held.equations[:, 2]).max()), float(held.volume)
+    held: Any = ConvexHull(vertices[vertices @ normal > reach - grain / 2.0] @ along_plane(normal))
+    return float(held.volume)
 
 
 MOST_FACETS = 50_000

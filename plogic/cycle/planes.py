@@ -16,17 +16,17 @@ import numpy as np
 from geometry.arrays import Floats, Ints, Mask
 from geometry.bodies.resting import Plane, RestingFaces
 from geometry.bodies.standing import (
-    NOISES,
     Known,
-    Noise,
     Stands,
     alike,
+    borne,
     fitted,
     joined,
     log_free,
     log_level,
     log_peaks,
     log_ratios,
+    noise_of,
     noisy,
     top_of,
     ways,
@@ -79,7 +79,7 @@ class Bodies(NamedTuple):
     """B hypotheses, at most one of each ``kind`` (B,), a number, is there; ``odds`` (B,): logarithms, by all else.
 
     ``names`` (B) of their types; ``stands``: the ways in which each may stand; ``put`` (B,): whether it was looked for
-    on a plane, where it would be whether it is there or not. ``noise``: what of it is in ``stands``.
+    on a plane, where it would be whether it is there or not.
     """
 
     names: tuple[str, ...]
@@ -87,7 +87,6 @@ class Bodies(NamedTuple):
     odds: Floats
     stands: Stands
     put: Mask
-    noise: Noise = Noise(0.0, 0.0)
 
     @property
     def present(self) -> Floats:
@@ -158,15 +157,14 @@ class Setting(NamedTuple):
 def abduced(
     accepted: Sequence[Hypothesis], proposed: Sequence[Hypothesis], setting: Setting, rests: float
 ) -> tuple[Bodies, Supported]:
-    """Those of Δi and proposals, with the noise that makes them likeliest, and their planes."""
-    bodies = bodies_of(accepted, proposed, setting)
-    some = [with_noise(bodies, noise) for noise in NOISES]
-    return max(((one, supported(one, rests)) for one in some), key=lambda row: row[1].evidence)
+    """Those of Δi and proposals, and their planes."""
+    bodies = with_noise(bodies_of(accepted, proposed, setting))
+    return bodies, supported(bodies, rests)
 
 
-def with_noise(bodies: Bodies, noise: Noise) -> Bodies:
+def with_noise(bodies: Bodies) -> Bodies:
     """Bodies whose poses alone are in doubt, off what they stand on as well."""
-    return bodies._replace(stands=noisy(bodies.stands, noise), noise=noise)
+    return bodies._replace(stands=noisy(bodies.stands))
 
 
 def bodies_of(accepted: Sequence[Hypothesis], proposed: Sequence[Hypothesis], setting: Setting) -> Bodies:
@@ -259,6 +257,7 @@ def _abduced(bodies: Bodies, rests: float) -> list[Believed]:
     likely = there[stands.body] * stands.chance
     found: list[tuple[float, Believed]] = []
     exact, peaks = np.zeros(len(likely), bool), log_peaks(stands)
+    likely[stands.noise > 0] = 0.0  # a way that is in it several times starts once
     for start in np.argsort(-likely, kind="stable")[:STARTS]:
         up = stands.up[start]
         known = None if exact[start] else _settled(bodies, Plane(up, -float(up @ stands.foot[start])), start, rests)
@@ -345,7 +344,7 @@ def _stacked(bodies: Bodies, known: Known, on: Floats, there: Floats, rests: flo
             top = top_of(stands, int(lower), known, float(high[lower]))
             here = top.over(stands.foot) & (above > high[lower] + 0.5 * stands.tall[lower]) & (of != of[lower])
             if here.any() and top.plane.offset > 0.0:
-                some = Stands(*(part[here] for part in stands))
+                some = borne(Stands(*(part[here] for part in stands)), stands, int(lower))
                 told[here] += share[lower] * some.chance * np.exp(np.minimum(log_ratios(some, top.plane), 50.0))
         told *= rests * STACKED
         mine = np.bincount(of, told, minlength=len(total))
@@ -364,5 +363,5 @@ def _weighed(bodies: Bodies, known: Known, there: Floats, rests: float) -> tuple
     of_kind = 1.0 - bodies.sums(there) + bodies.sums(there * factors.present / less)
     stands = np.bincount(bodies.stands.body, shares, minlength=len(there))
     by = tuple(name for name, share in zip(bodies.names, stands, strict=True) if share > STANDS)
-    told = known._replace(noise=bodies.noise)
+    told = known._replace(noise=noise_of(bodies.stands, shares))
     return log_prior + float(np.log(of_kind).sum()), Believed(told, log_prior, factors.present, factors.by_chance, by)

@@ -12,7 +12,7 @@ import shapely
 
 from geometry.arrays import Floats
 from geometry.bodies.resting import Plane, along_plane
-from geometry.bodies.standing import NOISES, Known, Stands, log_level, log_ratios
+from geometry.bodies.standing import Known, Stands, borne, log_level, log_ratios
 from geometry.frames import transform_points
 from plogic.base.walk import by_key
 from plogic.cycle.planes import (
@@ -76,8 +76,7 @@ def support_of_view(
     if told_by is None:
         bodies, found = abduced(accepted, rivals, setting, rests)
     else:
-        noise = next((plane.known.noise for plane in told_by.planes), NOISES[0])
-        bodies, found = with_noise(bodies_of(accepted, rivals, setting), noise), told_by
+        bodies, found = with_noise(bodies_of(accepted, rivals, setting)), told_by
     prior = found.without({some.type for some in posed.values()})
     some = [k for k in range(len(found.planes)) if found.probability[k] > HARDLY][:MOST]
     planes = {f"s{n}": found.planes[k].known for n, k in enumerate(some, 1)}
@@ -124,10 +123,16 @@ def _level(
 
 
 def _on_plane(name: str, stands: Stands, plane: Plane) -> Iterator[_Way]:
-    for row, ratio in zip(
-        zip(stands.body, stands.face, stands.chance, strict=True), log_ratios(stands, plane), strict=True
-    ):
-        yield _Way(int(row[0]), name, int(row[1]), float(row[2]), float(ratio))
+    """Each way once, by all that it may be off."""
+    ratios = log_ratios(stands, plane)
+    of = by_key(
+        ((int(body), int(face)), k) for k, (body, face) in enumerate(zip(stands.body, stands.face, strict=True))
+    )
+    for (body, face), rows in of.items():
+        chance = float(stands.chance[rows].sum())
+        if chance > 0.0:
+            ratio = np.logaddexp.reduce(np.log(stands.chance[rows]) + ratios[rows]) - np.log(chance)
+            yield _Way(body, name, face, chance, float(ratio))
 
 
 def _on_others(names: list[str], posed: Mapping[str, Hypothesis], bodies: Bodies, plane: Plane) -> Iterator[_Way]:
@@ -146,7 +151,12 @@ def _on_others(names: list[str], posed: Mapping[str, Hypothesis], bodies: Bodies
         over = on & (np.array(middles)[bodies.stands.body] > middles[k]) & (bodies.stands.body != k)
         raised = Plane(plane.up, plane.offset - top)
         if over.any() and raised.offset > 0.0:
-            yield from _on_plane(name, Stands(*(part[over] for part in bodies.stands)), raised)
+            own = np.flatnonzero(bodies.stands.body == k)
+            some = Stands(*(part[over] for part in bodies.stands))
+            if len(own):
+                way = own[np.argmax((np.log(bodies.stands.chance) + log_level(bodies.stands, plane))[own])]
+                some = borne(some, bodies.stands, int(way))
+            yield from _on_plane(name, some, raised)
 
 
 def _told(name: str, known: Known, prior: float) -> SupportPlane:

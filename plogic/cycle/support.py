@@ -17,7 +17,7 @@ import numpy as np
 
 from geometry.arrays import Floats
 from geometry.bodies.resting import Plane
-from geometry.bodies.standing import Known, joined, log_ratios, noisy, off, top_of
+from geometry.bodies.standing import Known, joined, log_ratios, off, off_by, top_of
 from kb.clouds.cloud import UNKNOWN_SUPPORT
 from plogic.cycle.choosing import separated
 from plogic.cycle.judging import judge, surplus_beside
@@ -139,7 +139,7 @@ def _looked_for(task: Task, supports: Sequence[Known], left: Data, given: Given)
 
 def _tops(task: Task, some: Sequence[Hypothesis], known: Known) -> Iterator[tuple[Hypothesis, Known]]:
     """What is accepted and stands on a plane, or level above it, and its top."""
-    stands = noisy(bodies_of(some, [], task.setting).stands, known.noise)
+    stands = off_by(bodies_of(some, [], task.setting).stands, known.noise)
     tilted, above = off(stands, known.plane)
     squares = (tilted**2).sum(axis=1) / stands.tilt**2
     for body, lower in enumerate(some):
@@ -177,7 +177,7 @@ def settled_down(task: Task, state: State) -> State:
 def _stands_on(task: Task, one: Hypothesis, supports: Sequence[Known]) -> Known | None:
     """On which of these a hypothesis stands, most probably, if on any."""
     rests = task.kb.rests or 0.0
-    bodies = with_noise(bodies_of([one], [], task.setting), supports[0].noise)
+    bodies = with_noise(bodies_of([one], [], task.setting))
     some = [
         known
         for known in supports

@@ -25,6 +25,10 @@ SETTING = Setting(
 )
 
 
+EXACT = np.diag([0.01, 0.01, 0.01, 0.002, 0.002, 0.002]) ** 2
+"""Noise of a pose known to half a degree and 2 mm."""
+
+
 def box(x, y, z=0.03, turn=0.0, **said):
     pose = EYE @ from_rotation_translation(turn_about([0.0, 0.0, 1.0], turn), (x, y, z))
     return Hypothesis(
@@ -126,3 +130,25 @@ def test_what_is_level_above_the_plane_on_nothing_known_is_likelier_where_it_is_
     told = {name: ratio for name, plane, ratio in support_of_view(posed, SETTING).level if plane == "s1"}
     assert 2.0 < told["h4"] < np.log(0.9 / FREE.level)
     assert told.get("h6", 0.0) < 0.1
+
+
+def test_what_is_turned_more_than_meshes_are_wrong_is_free_and_a_little_is_not():
+    """Those beside it stand exactly; it is turned about the middle of an edge that stays on the table."""
+    worth = {}
+    for tip in (0.1, 0.8):
+        pose = EYE @ from_rotation_translation(
+            turn_about([1.0, 0.0, 0.0], tip), (0.3, 0.3, 0.03 * np.cos(tip) + 0.04 * np.sin(tip))
+        )
+        support = support_of_view(
+            {**STANDING, "h4": box(0.0, 0.0).told(camera_from_object=pose, spread=EXACT)}, SETTING
+        )
+        worth[tip] = sum(s.chance * np.exp(s.log_ratio) for s in ways(support, "h4", "s1"))
+    assert worth[0.1] > 1.0
+    assert worth[0.8] < 0.1
+
+
+def test_each_way_to_stand_is_told_once():
+    support = support_of_view(STANDING, SETTING)
+    told = [(s.hypothesis, s.on, s.face) for s in support.stances]
+    assert {name for name, _, _ in told} == set(STANDING)
+    assert len(set(told)) == len(told)

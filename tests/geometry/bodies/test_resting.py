@@ -44,6 +44,17 @@ def test_each_way_to_stand_weighs_the_same_and_sides_of_a_can_are_one_way():
     np.testing.assert_allclose(faces.weight[~upright], 0.5 / (~upright).sum())
 
 
+def test_facets_that_are_alike_are_one_face_that_bulges():
+    around = np.linspace(0.0, 2.0 * np.pi, 129)[:-1]
+    can = np.concatenate([np.c_[0.03 * np.cos(around), 0.03 * np.sin(around), np.full(128, z)] for z in (0.0, 0.1)])
+    faces = resting_faces(can)
+    upright = np.abs(faces.down[:, 2]) > 0.9
+    assert 20 < (~upright).sum() < 128 / 2  # 2.8 degrees apart, told 8 degrees apart and more
+    np.testing.assert_allclose(faces.bent[upright], 0.0, atol=1e-7)
+    assert (faces.bent[~upright] > np.radians(1.0)).all()
+    np.testing.assert_allclose(resting_faces(BODIES["brick"]).bent, 0.0, atol=1e-7)
+
+
 @settings(max_examples=25, deadline=None, derandomize=True)
 @given(st.sampled_from(sorted(BODIES)), seeds)
 def test_weights_sum_to_one_and_stated_ones_are_of_faces(name, seed):
