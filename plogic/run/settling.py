@@ -1,9 +1,10 @@
 """``plogic settle``: the best worlds of an interpretation, let go by physics: who stays, falls, tips, slides.
 
 A world that is right stays as it is. Its bodies are the meshes that the interpretation carries, as convex parts where
-they can be cut into them exactly, else their hulls (``plogic.cycle.placing.shape_in``). They are first moved out of
-each other and out of the floor, then left to gravity for two seconds (``sensing.simulated.settling``). What is free in
-a world, held by nothing that it knows, stays where it is unless it is dropped.
+they can be cut into them exactly, else their hulls (``plogic.cycle.placing.shape_in``). What the world says stands is
+first put on what it stands on (``plogic.run.seating``); then bodies are moved out of each other and out of the floor,
+then left to gravity for two seconds (``sensing.simulated.settling``). What is free in a world, held by nothing that it
+knows, stays where it is unless it is dropped.
 
 * ``Floor(plane, "support plane s1")``: what is below, and who says so
 * ``ObjectRow``: one object's verdict, and how far it was moved, in ``settled/1``
@@ -12,6 +13,7 @@ a world, held by nothing that it knows, stays where it is unless it is dropped.
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
+from types import MappingProxyType
 from typing import Annotated, Literal, NamedTuple, TypedDict
 
 import numpy as np
@@ -32,6 +34,7 @@ from plogic.facts.fact_rows import PlaneRow
 from plogic.facts.interpretation import situation_of
 from plogic.facts.situation import Situation
 from plogic.facts.stances import FREE
+from plogic.run.seating import seated
 from plogic.scene.readings.standing import Standing
 from sensing.simulated.physics import INSTALL, NO_PHYSICS, has_physics
 from sensing.simulated.settling import SECONDS, Fate, Loose, filled, let_go
@@ -59,10 +62,12 @@ class ObjectRow(TypedDict):
     type: Annotated[str, "Its object type."]
     verdict: Verdict
     moved: Annotated[float, "How far its middle of mass is from where it was."]
-    pushed: Annotated[float, "How far it was pushed out of others or the floor, before it was let go."]
-    fell: Annotated[float, "How much lower its lowest place is than when it was let go."]
-    slid: Annotated[float, "How far its middle of mass went level since then."]
-    tilted: Annotated[float, "The angle by which it tilted since then."]
+    seated: Annotated[float, "Of that, how far it was put on what it is said to stand on."]
+    turned: Annotated[float, "The angle by which it was turned to stand flush there."]
+    pushed: Annotated[float, "How far it was pushed out of others or the floor then, before it was let go."]
+    fell: Annotated[float, "How much lower its lowest place is than where it was, what it was pushed aside."]
+    slid: Annotated[float, "How far its middle of mass went level, likewise."]
+    tilted: Annotated[float, "The angle by which it tilted, in all."]
     allowed: Annotated[float, "How far it may move and stand all the same."]
     still: Annotated[bool, "Whether it had come to rest."]
     T_camera_object: Annotated[Pose, "Its pose in the end."]
@@ -144,6 +149,16 @@ class Placed:
         return transform_points(self.pose, self.surface.vertices)
 
     @property
+    def corners(self) -> Floats:
+        """(V, 3) m, object frame."""
+        return self.surface.vertices
+
+    @cached_property
+    def allowed(self) -> float:
+        """Metres that it may move and stand all the same."""
+        return SLACK + SHARE * float(np.linalg.norm(transform_points(self.pose, self.middle[None])[0]))
+
+    @property
     def centre(self) -> Floats:
         """(3,) m, its middle, object frame."""
         return self.surface.centre
@@ -169,35 +184,44 @@ def settled(document: Interpretation, worlds: int = 1, *, drop: bool = False) ->
     if not has_physics():
         raise InputError(f"nothing can be let go, for {NO_PHYSICS}: {INSTALL}")
     situation, bodies = situation_of(document), _bodies(document)
+    plane = max(document.get("support_planes", ()), key=lambda row: row["probability"], default={"name": ""})["name"]
     listed = [(world["probability"], world["present"]) for world in document.get("worlds", [])[:worlds]]
     return {
         "format": "settled/1",
         "seconds": SECONDS,
         "worlds": [
-            _settled_world(document, chance, present, bodies, stances_in(situation, present), drop=drop)
+            _settled_world(document, chance, present, bodies, stances_in(situation, present, plane), drop=drop)
             for chance, present in listed
         ],
     }
 
 
 class Stances(NamedTuple):
-    """``plane``: the name of what a world most probably stands on, '' where nothing says; ``free``: who is held there.
+    """``plane``: the name of what a world most probably stands on, '' where nothing says.
 
-    By nothing that is known.
+    ``free``: who is held there by nothing that is known. ``on``: of each other one what it stands on, as far as told.
     """
 
     plane: str
     free: frozenset[str]
+    on: Mapping[str, str] = MappingProxyType({})
 
 
-def stances_in(situation: Situation, present: Sequence[str]) -> Stances:
-    """How a world stands, by what the interpretation says."""
+def stances_in(situation: Situation, present: Sequence[str], plane: str = "") -> Stances:
+    """How a world stands, by what the interpretation says; ``plane``: where it stands on none that is named.
+
+    It is let go on such a plane all the same, and who is free is who does not stand on that one.
+    """
     gravity, support = situation.gravity, situation.support
     free = {name for name in present if gravity is not None and gravity.floating(name, present)}
     if support is None:
         return Stances("", frozenset(free))
-    told = Standing(situation, support).told(present)
-    return Stances(told.state, frozenset(free | {name for name, stance in told.stances.items() if stance == FREE}))
+    told = (standing := Standing(situation, support)).told(present)
+    if plane and told.state not in {one.name for one in support.planes}:
+        told = standing.told(present, plane)
+    free |= {name for name, stance in told.stances.items() if stance == FREE}
+    on = {name: stance.rpartition("/")[0] for name, stance in told.stances.items() if name not in free}
+    return Stances(told.state, frozenset(free), on)
 
 
 def _bodies(document: Interpretation) -> dict[str, Placed | str]:
@@ -237,13 +261,16 @@ def _settled_world(
     placed = [body for name in present if isinstance(body := bodies[name], Placed)]
     floor = floor_of(document, placed, stances.plane)
     level, back = floor.level_from_camera, inverse(floor.level_from_camera)
-    fates = let_go([Loose(one.row["id"], one.parts, level @ one.pose, one.row["id"] in free) for one in placed])
+    before = {one.row["id"]: level @ one.pose for one in placed}
+    may = {one.row["id"]: one.allowed for one in placed}
+    seats = seated({one.row["id"]: one for one in placed}, before, stances.on, level[:3, 3], tilt=TILT, far=may)
+    fates = let_go([Loose(name, one.parts, seats[name], name in free) for one in placed for name in [one.row["id"]]])
     return {
         "probability": chance,
         "present": list(present),
         "floor": floor.row,
         "objects": [
-            _object(one, level @ one.pose, fates[name], back, held=name in free)
+            _object(one, (before[name], seats[name]), fates[name], back, held=name in free)
             for one in placed
             for name in [one.row["id"]]
         ],
@@ -285,19 +312,22 @@ def _ground(document: Interpretation, world_from_camera: Floats, placed: Sequenc
     return Floor(Plane(up, -lows.get(lowest, -height)), f"lowest object {lowest}" if lowest else "T_world_camera")
 
 
-def _object(one: Placed, before: Floats, fate: Fate, camera_from_level: Floats, *, held: bool) -> ObjectRow:
-    """Its verdict; ``before`` (4, 4): where it was, level frame."""
-    middles = [transform_points(pose, one.middle[None])[0] for pose in (before, fate.pushed, fate.after)]
-    lows = [transform_points(pose, one.surface.vertices)[:, 2].min() for pose in (fate.pushed, fate.after)]
-    turn = fate.after[:3, :3] @ fate.pushed[:3, :3].T
-    far = float(np.linalg.norm(transform_points(one.pose, one.middle[None])[0]))
+def _object(
+    one: Placed, start: tuple[Floats, Floats], fate: Fate, camera_from_level: Floats, *, held: bool
+) -> ObjectRow:
+    """Its verdict; ``start``: where it was (4, 4), and where it was seated, level frame."""
+    poses = (*start, fate.pushed, fate.after)
+    middles = [transform_points(pose, one.middle[None])[0] for pose in poses]
+    lows = [transform_points(pose, one.corners)[:, 2].min() for pose in poses]
     moves = {
-        "moved": float(np.linalg.norm(middles[2] - middles[0])),
-        "pushed": float(np.linalg.norm(middles[1] - middles[0])),
-        "fell": max(0.0, float(lows[0] - lows[1])),
-        "slid": float(np.linalg.norm((middles[2] - middles[1])[:2])),
-        "tilted": float(np.arccos(np.clip(turn[2, 2], -1.0, 1.0))),
-        "allowed": SLACK + SHARE * far,
+        "moved": float(np.linalg.norm(middles[3] - middles[0])),
+        "seated": float(np.linalg.norm(middles[1] - middles[0])),
+        "turned": _tilt(poses[0], poses[1]),
+        "pushed": float(np.linalg.norm(middles[2] - middles[1])),
+        "fell": max(0.0, float(lows[0] - lows[1] + lows[2] - lows[3])),
+        "slid": float(np.linalg.norm((middles[1] - middles[0] + middles[3] - middles[2])[:2])),
+        "tilted": _tilt(poses[0], poses[3]),
+        "allowed": one.allowed,
     }
     return {
         "id": one.row["id"],
@@ -307,6 +337,11 @@ def _object(one: Placed, before: Floats, fate: Fate, camera_from_level: Floats, 
         "still": fate.still,
         "T_camera_object": np.round(camera_from_level @ fate.after, 9).tolist(),
     }
+
+
+def _tilt(one: Floats, other: Floats) -> float:
+    """The angle between what is up in a body at one pose (4, 4) and at another, level frame."""
+    return float(np.arccos(np.clip((other[:3, :3] @ one[:3, :3].T)[2, 2], -1.0, 1.0)))
 
 
 def verdict_of(moves: Mapping[str, float]) -> Verdict:

@@ -93,8 +93,71 @@ def test_how_a_world_stands_is_by_its_likeliest_plane_and_stances():
     planes = tuple(SupportPlane(name, (0, -1, 0), -0.5, spread, prior) for name, prior in (("s1", 0.2), ("s2", 0.7)))
     stances = Stance("a", "s2", 0, 0.9, 5.0), Stance("b", "s2", 0, 0.9, -9.0), Stance("b", "s1", 0, 0.9, 2.0)
     situation = replace(situation, reading="posterior", support=Support(0.9, 0.1, planes, stances))
-    assert stances_in(situation, ["a", "b"]) == Stances("s2", frozenset("b"))
+    assert stances_in(situation, ["a", "b"]) == Stances("s2", frozenset("b"), {"a": "s2"})
     assert stances_in(replace(situation, support=None), ["a", "b"]) == Stances("", frozenset())
+
+
+def test_where_a_world_rather_stands_on_no_plane_it_is_let_go_on_one_and_who_is_free_there_is_held():
+    """That nothing says where things stand is likelier than s1: on s1 a stands and b is free, all the same."""
+    situation = situation_of(boxes_document(CRATE, CARTON))
+    spread = ((1e-4, 0, 0), (0, 1e-4, 0), (0, 0, 1e-4))
+    planes = (SupportPlane("s1", (0, -1, 0), -0.5, spread, 0.001),)
+    support = Support(0.9, 0.9, planes, (Stance("a", "s1", 0, 0.9, 3.0), Stance("b", "s1", 0, 0.9, -9.0)))
+    situation = replace(situation, reading="posterior", support=support)
+    assert stances_in(situation, ["a", "b"]) == Stances("none", frozenset())
+    assert stances_in(situation, ["a", "b"], "s1") == Stances("s1", frozenset("b"), {"a": "s1"})
+
+
+def standing_document(*boxes, **on):
+    """The boxes, on the floor as a support plane; ``on``: what each that is told of stands on."""
+    document = boxes_document(*boxes, ground=None)
+    up = CAMERA_FROM_WORLD[:3, 2]
+    plane = {"normal": up.tolist(), "offset": float(up @ CAMERA_FROM_WORLD[:3, 3])}
+    spread = (1e-4 * np.eye(3)).tolist()
+    row = {"name": "s1", "plane": plane, "covariance": spread, "prior": 0.9, "probability": 0.9, "standing": {}}
+    document |= {"support_planes": [row], "resting": {"rests": 0.9, "none": 0.1}}
+    for h in document["hypotheses"]:
+        if h["id"] in on:
+            h["stances"] = [{"on": on[h["id"]], "face": 0, "chance": 0.9, "log_ratio": 5.0}]
+    return document
+
+
+def nearer(pose, metres):
+    """The pose so much nearer to the camera, that looks at it from beside and above."""
+    middle = (CAMERA_FROM_WORLD @ pose)[:3, 3]
+    pose = pose.copy()
+    pose[:3, 3] -= metres * CAMERA_FROM_WORLD[:3, :3].T @ middle / np.linalg.norm(middle)
+    return pose
+
+
+UPPER = at(0.09, -0.06, 0.1)
+"""On the crate, its middle 1 cm and 1.5 cm from the edges that are towards the camera."""
+
+
+def test_what_is_said_to_stand_is_put_down_along_the_sight_and_flush_and_that_is_told():
+    """Too near by what its depth is off, the carton is over the edge, and in the air: it stood on the crate."""
+    carton = ("b", "carton", nearer(UPPER, 0.03) @ at(0, 0, 0, 0, 0.03))
+    assert verdicts(standing_document(CRATE, carton, a="s1")) == {"a": "stands", "b": "held"}
+    assert verdicts(standing_document(CRATE, carton, a="s1"), drop=True) == {"a": "stands", "b": "falls"}
+    rows = rows_of(standing_document(CRATE, carton, a="s1", b="a"))
+    assert {name: row["verdict"] for name, row in rows.items()} == {"a": "stands", "b": "stands"}
+    assert rows["a"]["seated"] == rows["a"]["turned"] == 0.0
+    assert 0.02 < rows["b"]["seated"] < 0.03
+    assert rows["b"]["turned"] == pytest.approx(0.03, abs=0.001)
+    assert rows["b"]["pushed"] < 0.001
+
+
+@pytest.mark.parametrize(
+    ("carton", "verdict"),
+    [
+        (at(0.13, 0, 0.1), "falls"),  # its middle is beyond the edge by 3 cm, at the right height
+        (at(0.02, 0.01, 0.15), "falls"),  # too high by more than it may be off
+        (at(0.02, 0.01, 0.1, 0, 0.3), "tips"),  # leaning by more than it may: it is not turned, and rocks back
+    ],
+)
+def test_what_is_said_to_stand_and_cannot_falls(carton, verdict):
+    rows = rows_of(standing_document(CRATE, ("b", "carton", carton), a="s1", b="a"))
+    assert {name: row["verdict"] for name, row in rows.items()} == {"a": "stands", "b": verdict}
 
 
 def test_what_is_held_holds_others():

@@ -263,9 +263,9 @@ def measures(interpretation: str, *, as_json: bool) -> None:
 def settle(interpretation: str, worlds: int, picture: Path | None, *, drop: bool, as_json: bool) -> None:
     """Let the objects of the best worlds go, by physics: who stands, falls, tips, slides or is pushed out of another.
 
-    They are first moved out of each other and out of the floor, then left to gravity for two seconds. The floor is the
-    support plane of the interpretation, or the ground that its camera's place tells, or what its objects stand on.
-    Needs pybullet.
+    They are first put on what the world says they stand on, and moved out of each other and out of the floor, then left
+    to gravity for two seconds. The floor is the support plane of the interpretation, or the ground that its camera's
+    place tells, or what its objects stand on. Needs pybullet.
     """
     from plogic.face.commands.settle import settle_command
 

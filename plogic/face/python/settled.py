@@ -13,13 +13,14 @@ COLUMNS = (
     Column("verdict"),
     *(
         Column(name, right=True)
-        for name in ("moved, m", "pushed, m", "fell, m", "slid, m", "tilted, deg", "allowed, m")
+        for name in ("moved, m", "seated, m, deg", "pushed, m", "fell, m", "slid, m", "tilted, deg", "allowed, m")
     ),
 )
 LEGEND = (
     "moved    how far its middle of mass is from where it was",
-    "pushed   of that, how far it was moved out of others and the floor before it was let go",
-    "fell     how much lower its lowest place is since then; slid: how far its middle went level; tilted: by how much",
+    "seated   of that, how far it was first put on what it is said to stand on, and by how much it was turned for it",
+    "pushed   how far it was moved out of others and the floor then, before it was let go",
+    "fell     how much lower its lowest place is, pushing aside; slid: how far its middle went level; tilted: how much",
     "allowed  5 mm + 2 % of its distance from the camera: who is moved by less, sinks by less than 60 % of it, and tilts",
     "         by less than 15 degrees, stands",
 )
@@ -34,6 +35,8 @@ class SettledObject:
     type: str
     verdict: settling.Verdict
     moved: float
+    seated: float
+    turned: float
     pushed: float
     fell: float
     slid: float
@@ -74,6 +77,7 @@ def _blocks(rank: int, world: settling.SettledWorld) -> tuple[Block, ...]:
 
 
 def _cells(row: settling.ObjectRow) -> tuple[str, ...]:
-    metres = (f"{row['moved']:.3f}", f"{row['pushed']:.3f}", f"{row['fell']:.3f}", f"{row['slid']:.3f}")
+    seated = f"{row['seated']:.3f}, {np.degrees(row['turned']):.1f}" if row["seated"] or row["turned"] else ""
+    metres = (f"{row['moved']:.3f}", seated, f"{row['pushed']:.3f}", f"{row['fell']:.3f}", f"{row['slid']:.3f}")
     verdict = row["verdict"] if row["still"] else f"{row['verdict']}, still moving"
     return f"{row['type']} {row['id']}", verdict, *metres, f"{np.degrees(row['tilted']):.1f}", f"{row['allowed']:.3f}"
