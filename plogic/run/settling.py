@@ -27,6 +27,7 @@ from kb.errors import SurfaceError
 from kb.surfaces.surface import Surface
 from plogic.base.errors import InputError
 from plogic.cycle.placing import shape_in
+from plogic.cycle.planes import STANDS
 from plogic.cycle.support import plane_under
 from plogic.facts.carried_rows import MeshRow
 from plogic.facts.document import HypothesisRow, Interpretation
@@ -291,7 +292,8 @@ def floor_of(document: Interpretation, placed: Sequence[Placed], plane: str = ""
         best = max(planes, key=lambda row: (row["name"] == plane, row["probability"]))
         normal = np.array(best["plane"]["normal"], float)
         size = float(np.linalg.norm(normal))
-        return Floor(Plane(normal / size, -best["plane"]["offset"] / size), f"support plane {best['name']}")
+        doubt = "" if best["probability"] >= STANDS else f", P {best['probability']:.2f}"
+        return Floor(Plane(normal / size, -best["plane"]["offset"] / size), f"support plane {best['name']}{doubt}")
     world_from_camera = document["camera"].get("T_world_camera") if "camera" in document else None
     if world_from_camera is not None:
         return _ground(document, np.array(world_from_camera, float), placed)

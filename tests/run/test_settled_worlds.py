@@ -239,7 +239,7 @@ def test_the_floor_is_the_likeliest_support_plane_before_anything_else():
     assert found["plane"]["normal"] == pytest.approx(plane["normal"], abs=1e-6)
     assert found["plane"]["offset"] == pytest.approx(plane["offset"], abs=1e-6)
     assert verdicts(document) == {"a": "stands"}
-    assert floor_of(document, [], "s1").told_by == "support plane s1"
+    assert floor_of(document, [], "s1").told_by == "support plane s1, P 0.10"  # it is rather no plane: that is said
 
 
 def test_else_it_is_the_ground_and_else_where_the_lowest_stands():
