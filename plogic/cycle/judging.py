@@ -28,6 +28,7 @@ from plogic.match.judged.rivals import (
     overlap,
     shared_claims,
 )
+from plogic.match.learned.convincing import SURE, THERE
 from plogic.measures.distinctiveness import distinctiveness_over_delta
 from plogic.measures.explanatory import explanatory_value
 
@@ -201,6 +202,22 @@ def may_replace(task: Task, state: State, proposals: Iterable[Proposal]) -> list
             near.append(proposal)
     best = best_of_each([(proposal.most, proposal.hypothesis) for proposal in near], state.accepted)
     return [proposal for proposal in near if any(proposal.hypothesis is one for one in best)]
+
+
+def sure(task: Task, state: State) -> State:
+    """The state without what its pixels and stance do not tell surely enough, now that nothing more is looked for."""
+    more = float(np.log(SURE / THERE))
+    kept, unsure = list[Hypothesis](), list[Hypothesis]()
+    for one in state.accepted:
+        others = [other for other in state.accepted if other is not one]
+        surplus, demanded = surplus_beside(one, others), task.demanded(one) + more
+        if one.pixels is None or surplus > demanded:
+            kept.append(one)
+            continue
+        why = f"log-likelihood ratio {surplus:.1f} beyond what any pose has; in the end {demanded:.1f} is demanded"
+        unsure.append(one.told(status="rejected", why=why))
+    steps = (step_of("release", f"{one.why}; its data are released", one) for one in unsure)
+    return replace(state, accepted=tuple(kept), rejected=(*state.rejected, *unsure)).tells(*steps)
 
 
 def set_aside(task: Task, state: State, hypothesis: Hypothesis, reason: str) -> State:

@@ -29,6 +29,7 @@ from plogic.cycle.judging import (
     may_replace,
     refusal,
     set_aside,
+    sure,
 )
 from plogic.cycle.state import Attention, Cycle, State, Step, Task, Trace, among, considered, free, step_of
 from plogic.cycle.support import leaning, settled_down, standing
@@ -179,7 +180,7 @@ def perceive(
             state = last = replace(state, attention=tuple(known)).tells(*ranked)
         for after in rounds(task, state, choose):
             last = after
-    return _outcome(task, left_over(settled_down(task, concluded(task, last))), unheld, known)
+    return _outcome(task, left_over(sure(task, settled_down(task, concluded(task, last)))), unheld, known)
 
 
 def rounds(task: Task, state: State, choose: Choice = best_first) -> Iterator[State]:
