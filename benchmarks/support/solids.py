@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
-from geometry.bodies.resting import ALIKE, along_plane
+from geometry.bodies.resting import ALIKE, along_plane, resting_faces
 from geometry.frames import transform_points
 
 if TYPE_CHECKING:
@@ -72,13 +72,16 @@ class Solid:
 
     @cached_property
     def down(self) -> Floats:
-        """(K, 3) outward normals of the facets of the exact hull that it stands on."""
+        """(K, 3) outward normals of the faces that it stands on, the widest support first.
+
+        They are the facets of its own hull nearest to ``geometry.bodies.resting.resting_faces``.
+        """
         normal = np.asarray(self.hull.face_normals)
         reach = (self.hull.triangles[:, 0] * normal).sum(axis=1)
         feet = self.middle + (reach - normal @ self.middle)[:, None] * normal
         still = normal[(feet @ normal.T - reach).max(axis=1) <= 1e-7]
-        first = np.unique(np.round(still, 6), axis=0, return_index=True)[1]
-        return np.asarray(still[np.sort(first)])
+        near = resting_faces(self.mesh.vertices).down @ still.T
+        return np.asarray(still[near.argmax(axis=1)[near.max(axis=1) > np.cos(ALIKE)]])
 
     def middle_at(self, pose: Floats) -> Floats:
         """(3,) the middle of mass where the solid is at ``pose`` (4, 4)."""

@@ -108,7 +108,7 @@ def resting_faces(points: Floats) -> RestingFaces:
     normal, reach = hull.equations[below, :3], -hull.equations[below, 3]
     area = np.array([_area(vertices, *row, GRAIN * size) for row in zip(normal, reach, strict=True)])
     kept: list[int] = []
-    for i in np.argsort(-area, kind="stable"):
+    for i in np.argsort(-np.round(area / size**2, ROUND), kind="stable"):
         if all(normal[i] @ normal[k] < np.cos(ALIKE) for k in kept):
             kept.append(int(i))
     down = normal[kept]
