@@ -25,7 +25,7 @@ from benchmarks.photos.score import OUTLINED, Posed, overlap_of
 from benchmarks.support.bench import scenes_with
 from geometry.arrays import Floats
 from geometry.bodies.resting import Plane
-from geometry.bodies.standing import SHARES, Known, joined, log_level, log_ratios, off, ways
+from geometry.bodies.standing import Known, joined, log_level, log_ratios, off, ways
 from plogic.base.clock import Stopwatch
 from plogic.cycle.delta import Options
 from plogic.cycle.planes import Bodies, Setting, abduced, bodies_of, standing_on, supported, with_noise
@@ -75,12 +75,12 @@ def off_plane(bodies: Bodies, plane: Plane, rests: float) -> Floats:
 
 
 def exact_bodies(truths: list[Hypothesis], setting: Setting) -> Bodies:
-    """True poses, which are known to ``EXACT``."""
+    """True poses, which are known to ``EXACT``, off what they stand on."""
     tilt, spread = EXACT[0], EXACT[1] ** 2 * np.eye(3)
     models = [setting.models[one.type] for one in truths]
     rows = enumerate(zip(truths, models, strict=True))
     stands = joined([ways(k, m.resting, one.camera_from_object, m.centre, tilt, spread) for k, (one, m) in rows])
-    return bodies_of(truths, [], setting)._replace(stands=stands)
+    return with_noise(bodies_of(truths, [], setting)._replace(stands=stands))
 
 
 def looked(perceiver: Perceiver, shown: Shown, numbers: dict[str, int]) -> Looked | None:
@@ -115,7 +115,7 @@ def looked(perceiver: Perceiver, shown: Shown, numbers: dict[str, int]) -> Looke
         for best in looked_for(perceiver, shown, on_it)
         if best.type not in neither
     ]
-    evidence = max(supported(with_noise(exact_bodies(truths, setting), some), rests).evidence for some in SHARES)
+    evidence = supported(exact_bodies(truths, setting), rests).evidence
     return Looked(off_plane(bodies, plane, rests), evidence, told, error, narrow)
 
 

@@ -16,7 +16,6 @@ import numpy as np
 from geometry.arrays import Floats, Ints, Mask
 from geometry.bodies.resting import Plane, RestingFaces
 from geometry.bodies.standing import (
-    SHARES,
     Known,
     Stands,
     alike,
@@ -119,7 +118,7 @@ class Supported(NamedTuple):
 
     ``evidence``: ln of how likely all of it is, over that of free bodies. ``worth`` (B,): what standing there, or
     not, adds to the log-odds of each body, given all others. Logarithms: ``prior`` (P + 2,), and ``told`` (P + 2, K),
-    what each kind of bodies, of ``types`` (K), tells of each. ``shares``: which of ``SHARES`` it is by.
+    what each kind of bodies, of ``types`` (K), tells of each.
     """
 
     planes: tuple[Believed, ...]
@@ -129,7 +128,6 @@ class Supported(NamedTuple):
     told: Floats
     types: tuple[str, ...]
     evidence: float
-    shares: int = 0
 
     def without(self, types: Collection[str]) -> Floats:
         """(P + 2,) the probability of each by all that is not of these types."""
@@ -159,16 +157,14 @@ class Setting(NamedTuple):
 def abduced(
     accepted: Sequence[Hypothesis], proposed: Sequence[Hypothesis], setting: Setting, rests: float
 ) -> tuple[Bodies, Supported]:
-    """Those of Δi and proposals, off what they stand on as makes them likeliest, and their planes."""
-    bodies = bodies_of(accepted, proposed, setting)
-    some = [with_noise(bodies, shares) for shares in SHARES]
-    found = [(one, supported(one, rests)._replace(shares=k)) for k, one in enumerate(some)]
-    return max(found, key=lambda row: row[1].evidence)
+    """Those of Δi and proposals, and their planes."""
+    bodies = with_noise(bodies_of(accepted, proposed, setting))
+    return bodies, supported(bodies, rests)
 
 
-def with_noise(bodies: Bodies, shares: Sequence[float]) -> Bodies:
-    """Bodies whose poses alone are in doubt, off what they stand on as well, each noise with its share of them."""
-    return bodies._replace(stands=noisy(bodies.stands, shares))
+def with_noise(bodies: Bodies) -> Bodies:
+    """Bodies whose poses alone are in doubt, off what they stand on as well."""
+    return bodies._replace(stands=noisy(bodies.stands))
 
 
 def bodies_of(accepted: Sequence[Hypothesis], proposed: Sequence[Hypothesis], setting: Setting) -> Bodies:

@@ -12,7 +12,7 @@ import shapely
 
 from geometry.arrays import Floats
 from geometry.bodies.resting import Plane, along_plane
-from geometry.bodies.standing import SHARES, Known, Stands, borne, log_level, log_ratios
+from geometry.bodies.standing import Known, Stands, borne, log_level, log_ratios
 from geometry.frames import transform_points
 from plogic.base.walk import by_key
 from plogic.cycle.planes import (
@@ -76,7 +76,7 @@ def support_of_view(
     if told_by is None:
         bodies, found = abduced(accepted, rivals, setting, rests)
     else:
-        bodies, found = with_noise(bodies_of(accepted, rivals, setting), SHARES[told_by.shares]), told_by
+        bodies, found = with_noise(bodies_of(accepted, rivals, setting)), told_by
     prior = found.without({some.type for some in posed.values()})
     some = [k for k in range(len(found.planes)) if found.probability[k] > HARDLY][:MOST]
     planes = {f"s{n}": found.planes[k].known for n, k in enumerate(some, 1)}

@@ -32,6 +32,7 @@ from plogic.cycle.planes import (
     roughly,
     standing_on,
     supported,
+    with_noise,
 )
 from plogic.cycle.state import Proposal, Stable, State, Task
 from plogic.facts.hypothesis import Hypothesis
@@ -176,8 +177,7 @@ def settled_down(task: Task, state: State) -> State:
 def _stands_on(task: Task, one: Hypothesis, supports: Sequence[Known]) -> Known | None:
     """On which of these a hypothesis stands, most probably, if on any."""
     rests = task.kb.rests or 0.0
-    bodies = bodies_of([one], [], task.setting)
-    bodies = bodies._replace(stands=off_by(bodies.stands, supports[0].noise))
+    bodies = with_noise(bodies_of([one], [], task.setting))
     some = [
         known
         for known in supports

@@ -8,7 +8,6 @@ from hypothesis import strategies as st
 from geometry.bodies.resting import Plane, resting_faces
 from geometry.bodies.standing import (
     NOISES,
-    SHARES,
     Area,
     Contact,
     Known,
@@ -127,10 +126,10 @@ def test_a_top_is_the_same_as_one_at_its_height_and_place_alone():
 
 
 def test_bodies_are_off_by_one_of_several_noises_and_a_plane_tells_by_which():
-    found = noisy(stands(on_table(0.0, 0.0), on_table(0.2, 0.1, 1.0)), SHARES[0])
+    found = noisy(stands(on_table(0.0, 0.0), on_table(0.2, 0.1, 1.0)))
     assert found.chance.sum() == pytest.approx(2.0)
     assert len(found.body) == 6 * len(NOISES)
     for k, noise in enumerate(NOISES):
         of_it = found.noise == k
         assert found.tilt[of_it] == pytest.approx(np.hypot(TILT, noise.tilt))
-        assert noise_of(found, of_it.astype(float)) == pytest.approx((noise.tilt, noise.level))
+        assert noise_of(found, of_it.astype(float)) == pytest.approx((noise.tilt, noise.level, 1.0))
