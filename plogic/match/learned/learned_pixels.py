@@ -38,7 +38,7 @@ if TYPE_CHECKING:
 
 Before: TypeAlias = tuple[RayMesh, np.ndarray]
 """A surface that may hide pixels, and its pose (4, 4)."""
-SCREENED, FITTED, FITTED_SEEN, FITTED_ON = 6, 2, 3, 2
+SCREENED, FITTED, FITTED_SEEN, FITTED_ON = 6, 2, 3, 4
 """Poses of a type whose pixels are looked at; those that are moved to where the pixels fit best; and of those that
 views suggest, anywhere and on a plane."""
 NO_POSES = np.zeros((0, 4, 4))
