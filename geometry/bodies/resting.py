@@ -130,7 +130,7 @@ def stated_faces(points: Floats, down: Floats, weight: Floats) -> RestingFaces:
     ``weight`` (S,) above 0, of any sum. Each direction means the face that ``meant`` says; where that is none, the
     plane that touches the hull in that very direction. What means one face adds up.
     """
-    faces = resting_faces(points)
+    faces, weight = resting_faces(points), weight / weight.max()  # of huge ones the sum would overflow
     which = meant(faces, down)
     found = np.where(which[:, None] >= 0, np.concatenate([faces.down, np.zeros((1, 3))])[which], down)
     _, first, place = np.unique(np.round(found, ROUND), axis=0, return_index=True, return_inverse=True)

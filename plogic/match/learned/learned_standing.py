@@ -71,12 +71,12 @@ def on_supports(
         stood.append(Stood(known if one is None else one.known, seen, beside))
         if one is not None:
             since = (h for h in place.accepted if not any(h.camera_from_object is pose for pose in one.beside))
-            seen = seen.some(hidden_by(index, seen.poses, since))
+            seen = seen.some(maybe_hidden(index, seen.poses, since))
         found += resting(index, known, place.left, request.kb, place.taken, before=before, seen=seen, anew=one is None)
     return distinct(found, index.object_type), stood
 
 
-def hidden_by(index: LearnedIndex, poses: Floats, some: Iterable[Hypothesis]) -> Mask:
+def maybe_hidden(index: LearnedIndex, poses: Floats, some: Iterable[Hypothesis]) -> Mask:
     """(N,) which of a type's poses (N, 4, 4) some bodies may hide, or take the place of, by the balls around them."""
     here = poses[:, :3, :3] @ index.centre + poses[:, :3, 3]
     hidden = np.zeros(len(poses), bool)

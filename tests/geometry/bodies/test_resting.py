@@ -66,6 +66,8 @@ def test_weights_sum_to_one_and_stated_ones_are_of_faces(name, seed):
     free, stated = resting_faces(points), stated_faces(points, down, weight)
     assert free.weight.sum() == pytest.approx(1.0)
     assert stated.weight.sum() == pytest.approx(1.0)
+    huge = stated_faces(points, down, weight / weight.max() * 1e308)
+    np.testing.assert_allclose(huge.weight, stated.weight)
     np.testing.assert_allclose(stated.reach, (points @ stated.down.T).max(axis=0))
     which = meant(free, down)
     for row, face in zip(down, which, strict=True):

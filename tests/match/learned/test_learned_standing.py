@@ -12,7 +12,7 @@ from kb.files.read import read_kb
 from plogic.facts.hypothesis import Hypothesis
 from plogic.match.learned import learned_standing
 from plogic.match.learned.learned_pixels import Seen
-from plogic.match.learned.learned_standing import Place, hidden_by, on_supports
+from plogic.match.learned.learned_standing import Place, maybe_hidden, on_supports
 from plogic.run.perceive import Perceiver
 
 UP = np.array([0.0, -0.8, -0.6])
@@ -75,5 +75,5 @@ def test_who_may_hide_is_before_and_not_aside(index):
     before, aside, behind = (
         pose_towards(CORNER, far, 0.0, (x, 0.0)) for far, x in ((0.5, -0.09), (0.5, 0.5), (2.0, -0.3))
     )
-    told = [hidden_by(index, POSES, [body(index, pose)]).tolist() for pose in (before, aside, behind)]
+    told = [maybe_hidden(index, POSES, [body(index, pose)]).tolist() for pose in (before, aside, behind)]
     assert told == [[True, False], [False, False], [False, False]]
