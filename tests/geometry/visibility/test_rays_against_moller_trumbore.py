@@ -6,7 +6,7 @@ from geometry_bodies import at, bodies, box, bracket, random_rotations, wedge
 
 from geometry.errors import GeometryError
 from geometry.frames import from_rotation_translation, inverse, look_at, transform_points
-from geometry.visibility.rays import RayMesh, behind
+from geometry.visibility.rays import RayMesh, behind, depth_of
 
 
 def moller_trumbore(vertices, triangles, origins, directions):
@@ -51,6 +51,24 @@ def test_behind_equals_the_dense_oracle(body):
     found = behind(points, RayMesh(vertices, triangles), pose, 0.01)
     assert (found == expected).mean() > 0.999
     assert 0.02 < expected.mean() < 0.5
+
+
+@pytest.mark.parametrize("away", [0.0, 0.5, 2.0, 5.0])
+def test_depths_equal_those_of_rays_through_all_pixels(away):
+    """About the camera, beside it, and cut by the picture's border."""
+    rng = np.random.default_rng(int(10 * away))
+    K, size = np.array([[60.0, 0.0, 40.0], [0.0, 62.0, 30.0], [0.0, 0.0, 1.0]]), (80, 60)
+    u, v = np.meshgrid(np.arange(size[0]), np.arange(size[1]))
+    rays = np.stack([(u - 40.0) / 60.0, (v - 30.0) / 62.0, np.ones(u.shape)], axis=-1).reshape(-1, 3)
+    seen = 0
+    for vertices, triangles in bodies():
+        for turn in random_rotations(rng, 5):
+            mesh = RayMesh(vertices, triangles)
+            pose = from_rotation_translation(turn, [*rng.uniform(-2.0, 2.0, 2), away])
+            far = mesh.first_hit(inverse(pose)[:3, 3][None], rays @ pose[:3, :3]) / np.linalg.norm(rays, axis=1)
+            assert np.array_equal(depth_of(mesh, pose, K, size), far.reshape(u.shape))
+            seen += int(np.isfinite(far).sum())
+    assert seen > 1000
 
 
 def test_a_box_hides_its_own_far_corners_and_no_others():
