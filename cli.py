@@ -54,6 +54,7 @@ NO_MEMORY = (
     "Cannot allocate memory",
     "Insufficient memory",
     "SystemError: error return without exception set",
+    "returned NULL without setting an exception",
 )
 """What libraries, and Python itself, say in whose errors memory ran out."""
 NO_THREAD = "can't start new thread", "Resource temporarily unavailable"  # or processes

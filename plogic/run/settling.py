@@ -264,7 +264,8 @@ def _settled_world(
     level, back = floor.level_from_camera, inverse(floor.level_from_camera)
     before = {one.row["id"]: level @ one.pose for one in placed}
     may = {one.row["id"]: one.allowed for one in placed}
-    seats = seated({one.row["id"]: one for one in placed}, before, stances.on, level[:3, 3], tilt=TILT, far=may)
+    on = {name: lower for name, lower in stances.on.items() if name in before and lower in (*before, stances.plane)}
+    seats = seated({one.row["id"]: one for one in placed}, before, on, level[:3, 3], tilt=TILT, far=may)
     fates = let_go([Loose(name, one.parts, seats[name], name in free) for one in placed for name in [one.row["id"]]])
     return {
         "probability": chance,

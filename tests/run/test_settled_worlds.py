@@ -268,6 +268,14 @@ def test_what_has_no_body_is_left_out():
     assert world["left_out"] == [{"id": "b", "why": "the interpretation carries no mesh of its type"}]
 
 
+@pytest.mark.parametrize("gone", ["crate", "carton"])
+def test_what_has_no_body_is_put_on_nothing_and_carries_nobody(gone):
+    document = standing_document(CRATE, ("b", "carton", at(0.02, 0.01, 0.1)), a="s1", b="a")
+    del document["assets"]["meshes"][gone]
+    (row,) = rows_of(document).values()
+    assert (row["id"], row["seated"], row["turned"]) == ("b" if gone == "crate" else "a", 0.0, 0.0)
+
+
 def test_without_physics_it_is_said(monkeypatch):
     monkeypatch.setattr(settling, "has_physics", lambda: False)
     with pytest.raises(InputError, match="nothing can be let go, for pybullet is not installed: pip install"):
