@@ -55,9 +55,10 @@ class Chance(NamedTuple):
 
 
 FREE, PUT = Chance(0.03, 0.05), Chance(0.3, 0.1)
-"""Of a free search, and of what was looked for on a plane and released from there: many stay. In ``lmo`` and in rendered
-scenes 1 of 112 and 22 of 79 that were wrong stood, 4 and 8 were level (``python benchmarks/planes.py KB DATASET`` counts
-them)."""
+"""Of a free search, and of what was looked for on a plane and released from there: many stay. In ``lmo`` and rendered
+scenes 1 of 112 and 22 of 79 that were wrong stood, 4 and 8 were level (``python benchmarks/planes.py KB DATASET`` tells
+such counts).
+"""
 STACKED = 0.2
 """P(what rests stands on another of Δh), where there is one that it may stand on: assumed."""
 RAISED = 0.1
