@@ -6,9 +6,9 @@ seeds, instead of its photos. The true plane of a photo is the one that the true
 (``plogic.cycle.planes``). Prints by how much true poses that stand on it are off it, and by how many nats they speak
 for their planes (``geometry.bodies.standing.NOISES``); how many of the proposals that are wrong stand on it all the
 same, or are level above it (``plogic.cycle.planes``, ``FREE`` and ``PUT``), and how many of the others; and how far the
-plane is on which
-what was accepted stands. Every plain type is looked for on the true plane as well: printed is what the pixels of the
-best of each tell, and what has to be added to that so that it is the logarithm of a likelihood ratio: next to nothing.
+plane is on which what was accepted stands. Every plain type is looked for on the true plane as well: printed is what
+the pixels of the best of each tell, and what has to be added to that so that it is the logarithm of a likelihood ratio:
+next to nothing.
 """
 
 import argparse
@@ -115,7 +115,8 @@ def looked(perceiver: Perceiver, shown: Shown, numbers: dict[str, int]) -> Looke
         for best in looked_for(perceiver, shown, on_it)
         if best.type not in neither
     ]
-    evidence = supported(exact_bodies(truths, setting), rests).evidence
+    of_planes = supported(exact_bodies(truths, setting), rests)
+    evidence = float(np.logaddexp.reduce(of_planes.prior + of_planes.told.sum(axis=1)))
     return Looked(off_plane(bodies, plane, rests), evidence, told, error, narrow)
 
 

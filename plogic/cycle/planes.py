@@ -118,9 +118,8 @@ class Believed(NamedTuple):
 class Supported(NamedTuple):
     """The planes of an image, best first, and the ``probability`` (P + 2,) of each, of another one, and of none.
 
-    ``evidence``: ln of how likely all of it is, over that of free bodies. ``worth`` (B,): what standing there, or
-    not, adds to the log-odds of each body, given all others. Logarithms: ``prior`` (P + 2,), and ``told`` (P + 2, K),
-    what each kind of bodies, of ``types`` (K), tells of each.
+    ``worth`` (B,): what standing there, or not, adds to the log-odds of each body, given all others. Logarithms:
+    ``prior`` (P + 2,), and ``told`` (P + 2, K), what each kind of bodies, of ``types`` (K), tells of each.
     """
 
     planes: tuple[Believed, ...]
@@ -129,7 +128,6 @@ class Supported(NamedTuple):
     prior: Floats
     told: Floats
     types: tuple[str, ...]
-    evidence: float
 
     def without(self, types: Collection[str]) -> Floats:
         """(P + 2,) the probability of each by all that is not of these types."""
@@ -233,7 +231,7 @@ def supported(bodies: Bodies, rests: float) -> Supported:
     planes = _abduced(bodies, rests) if number and rests else []
     if not planes:
         nothing = np.array([1.0 - NONE, NONE])
-        return Supported((), nothing, np.zeros(number), np.log(nothing), np.zeros((2, 0)), (), 0.0)
+        return Supported((), nothing, np.zeros(number), np.log(nothing), np.zeros((2, 0)), ())
     shares = np.array([plane.log_prior for plane in planes])
     elsewhere = np.log(max(1.0 - NONE - float(np.exp(shares).sum()), 1e-12))
     prior = np.array([*shares, elsewhere, np.log(NONE)])
@@ -249,8 +247,7 @@ def supported(bodies: Bodies, rests: float) -> Supported:
     worth = present - absent
     first = np.unique(bodies.kind, return_index=True)[1]
     types = tuple(bodies.names[body] for body in first)
-    told, evidence = np.log(of_kind), float(logsumexp(logs))
-    return Supported(tuple(planes), probability, worth, prior, told, types, evidence)
+    return Supported(tuple(planes), probability, worth, prior, np.log(of_kind), types)
 
 
 def _abduced(bodies: Bodies, rests: float) -> list[Believed]:

@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 
 THERE, SURE = 5.0, 10.0
 """Odds from which a type is taken to be there while more is looked for, and in the end: nine in ten are to be right.
-What is accepted sooner tells of the plane and hides others; of those between the two 3 of 8 were found in ``lmo``.
+What is accepted sooner tells of the plane and hides others; in a trace of ``lmo`` the three between were not there.
 """
 BEFORE = 1.0, 3.0
 """Of types, so many that are there and that are not are known before the photo is."""

@@ -179,7 +179,7 @@ def test_what_is_before_it_tells_nothing_against_it(paint):
 
 @pytest.mark.parametrize("wrong", [0.0, 0.03])
 def test_what_contact_holds_elsewhere_leaves_it_when_it_is_released(paint, photo, wrong):
-    """On the plane that the cube stands on it stays; from one that is 3 % farther it comes back."""
+    """On the plane that the cube stands on it stays; from one that is 3 % farther it comes back, and is told there."""
     faces = resting_faces(paint.mesh.vertices)
     ups, offsets = faces.planes(TRUE)
     k = int(np.argmax(offsets))
@@ -189,7 +189,7 @@ def test_what_contact_holds_elsewhere_leaves_it_when_it_is_released(paint, photo
     assert found.released is not None
     assert off(paint, found.released) < 0.02
     assert off(paint, found.pose) < 0.02
-    assert (found.pose is found.released) >= (wrong > 0.0)
+    assert wrong == 0.0 or found.pose is found.released
 
 
 def test_light_and_white_balance_change_little(paint, photo):
