@@ -124,6 +124,8 @@ def _level(
 
 def _on_plane(name: str, stands: Stands, plane: Plane) -> Iterator[_Way]:
     """Each way once, by all that it may be off."""
+    from scipy.special import logsumexp
+
     ratios = log_ratios(stands, plane)
     of = by_key(
         ((int(body), int(face)), k) for k, (body, face) in enumerate(zip(stands.body, stands.face, strict=True))
@@ -131,7 +133,7 @@ def _on_plane(name: str, stands: Stands, plane: Plane) -> Iterator[_Way]:
     for (body, face), rows in of.items():
         chance = float(stands.chance[rows].sum())
         if chance > 0.0:
-            ratio = np.logaddexp.reduce(np.log(stands.chance[rows]) + ratios[rows]) - np.log(chance)
+            ratio = logsumexp(ratios[rows], b=stands.chance[rows]) - np.log(chance)
             yield _Way(body, name, face, chance, float(ratio))
 
 
@@ -154,7 +156,7 @@ def _on_others(names: list[str], posed: Mapping[str, Hypothesis], bodies: Bodies
             own = np.flatnonzero(bodies.stands.body == k)
             some = Stands(*(part[over] for part in bodies.stands))
             if len(own):
-                way = own[np.argmax((np.log(bodies.stands.chance) + log_level(bodies.stands, plane))[own])]
+                way = own[np.argmax((bodies.stands.chance * np.exp(log_level(bodies.stands, plane)))[own])]
                 some = borne(some, bodies.stands, int(way))
             yield from _on_plane(name, some, raised)
 
