@@ -4,11 +4,11 @@
 or by name; ``--scenes N``: of its models so many rendered scenes, those of ``plogic bench support`` but for their
 seeds, instead of its photos. The true plane of a photo is the one that the true poses speak for
 (``plogic.cycle.planes``). Prints by how much true poses that stand on it are off it, and by how many nats they speak
-for their planes (``geometry.bodies.standing.NOISES``); how many of the proposals that are wrong stand on it all the
-same, or are level above it (``plogic.cycle.planes``, ``FREE`` and ``PUT``), and how many of the others; and how far the
-plane is on which what was accepted stands. Every plain type is looked for on the true plane as well: printed is what
-the pixels of the best of each tell, and what has to be added to that so that it is the logarithm of a likelihood ratio:
-next to nothing.
+for their planes (``geometry.bodies.standing.NOISES``); how many of the proposals of what is not there, one of a
+place, stand on it all the same, or are level above it (``plogic.cycle.planes``, ``FREE`` and ``PUT``), and how many
+of the others; and how far the plane is on which what was accepted stands. Every plain type is looked for on the true
+plane as well: printed is what the pixels of the best of each tell, and what has to be added to that so that it is the
+logarithm of a likelihood ratio: next to nothing.
 """
 
 import argparse
@@ -27,10 +27,12 @@ from geometry.arrays import Floats
 from geometry.bodies.resting import Plane
 from geometry.bodies.standing import Known, joined, log_level, log_ratios, off, ways
 from plogic.base.clock import Stopwatch
+from plogic.base.jobs import processors
 from plogic.cycle.delta import Options
 from plogic.cycle.planes import Bodies, Setting, abduced, bodies_of, standing_on, supported, with_noise
 from plogic.facts.hypothesis import Hypothesis
 from plogic.match.gamma.data import data_of
+from plogic.match.judged.rivals import same_place
 from plogic.match.learned.learned_models import LearnedIndex
 from plogic.match.learned.learned_poses import resting
 from plogic.match.learned.learned_views import maps_for, seen_on
@@ -43,6 +45,8 @@ from sensing.pixels.photo import Photo
 
 EXACT = 0.003, 0.001
 """Radians and metres: the noise of true poses."""
+BESIDE = 0.3
+"""Overlap with an object of its type beyond which a pose that is not found is a wrong pose of what is there."""
 DEVELOPED = 60_000
 """First seed of rendered scenes: those of the benchmark are from 40000 on."""
 
@@ -103,15 +107,24 @@ def looked(perceiver: Perceiver, shown: Shown, numbers: dict[str, int]) -> Looke
     on, ratios = standing_on(proposals, plane, rests) > 0.5, log_level(proposals.stands, plane)
     told = {(put, found): list[tuple[bool, bool]]() for put in (False, True) for found in (False, True)}
     for k, posed in enumerate(some):
-        there = any(_found(posed, truth, perceiver, shown) for name, truth in known if name == posed.type)
+        most = max(
+            (_overlap(posed, truth, perceiver, shown) for name, truth in known if name == posed.type), default=0.0
+        )
+        kind, pose = posed.object_type, posed.camera_from_object
+        before = (one.camera_from_object for one in some[:k] if one.type == posed.type)
+        if BESIDE < most < OUTLINED or any(same_place(kind, pose, old) for old in before):
+            continue
         level = bool((ratios[proposals.stands.body == k] > 0.0).any()) and not on[k]
-        told[posed.released is not None, there].append((bool(on[k]), level))
+        told[posed.released is not None, most >= OUTLINED].append((bool(on[k]), level))
     planes = abduced(cycle.accepted, [], setting, rests)[1].planes
     found = planes[0].known.plane if planes else None
     error = None if found is None else (found.turned(plane), abs(found.offset / plane.offset - 1.0))
     on_it = abduced(truths, [], setting, rests)[1].planes[0].known
     narrow = [
-        (best.pixels or 0.0, any(_found(best, truth, perceiver, shown) for name, truth in known if name == best.type))
+        (
+            best.pixels or 0.0,
+            any(_overlap(best, truth, perceiver, shown) >= OUTLINED for name, truth in known if name == best.type),
+        )
         for best in looked_for(perceiver, shown, on_it)
         if best.type not in neither
     ]
@@ -145,15 +158,15 @@ def narrow_of(rows: list[tuple[float, bool]]) -> float:
     )
 
 
-def _found(posed: Hypothesis, truth: Posed, perceiver: Perceiver, shown: Shown) -> bool:
+def _overlap(posed: Hypothesis, truth: Posed, perceiver: Perceiver, shown: Shown) -> float:
     surface = perceiver.models[posed.type].object_type.surface
     answer = Posed(truth.obj_id, posed.camera_from_object)
-    return surface is not None and overlap_of(answer, truth, surface.rays, shown.camera) >= OUTLINED
+    return 0.0 if surface is None else overlap_of(answer, truth, surface.rays, shown.camera)
 
 
 def main(kb_folder: str, dataset: Path, scenes: int | None) -> None:
     """Print it all."""
-    perceiver = Perceiver(replace(kb_of(kb_folder), maybe=True))
+    perceiver = Perceiver(replace(kb_of(kb_folder), maybe=True), processes=processors())
     known = model_names(dataset / "models") | ids_of([kind.name for kind in perceiver.kb.types], {})
     numbers = {name: known[name] for name in perceiver.models if name in known}
     seeds = range(DEVELOPED, DEVELOPED + (scenes or 0))
@@ -166,7 +179,7 @@ def main(kb_folder: str, dataset: Path, scenes: int | None) -> None:
     print(f"they speak for their planes by {sum(one.evidence for one in rows):.1f} nats")  # noqa: T201
     for put, found in rows[0].stand:
         told = [s for one in rows for s in one.stand[put, found]]
-        name = f"{'put on a plane and released' if put else 'free'} proposals that are {'found' if found else 'wrong'}"
+        name = f"{'put on a plane and released' if put else 'free'} proposals that are {'found' if found else 'of what is not there'}"
         on, level = (sum(some) for some in zip(*told, strict=True)) if told else (0, 0)
         print(f"{name}: {on} of {len(told)} stand on the true plane, {level} are level above it")  # noqa: T201
     narrow = [row for one in rows for row in one.narrow]
