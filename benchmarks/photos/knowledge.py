@@ -9,8 +9,9 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from kb.clouds.cloud import UNKNOWN_SUPPORT
+from plogic.base.errors import InputError
 from plogic.face.shown.options import Learning
-from plogic.run.bop.models import ids_of, model_names
+from plogic.run.bop.models import ids_of, model_ids, model_names
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Collection, Iterator
@@ -27,7 +28,8 @@ def known(
     ``kept``: the folder where it is read from, or, where there is none, written to; None for one that is dropped.
 
     Raises:
-        InputError: Nothing can be learned of the models. KBError: what is kept is no knowledge base.
+        InputError: Nothing can be learned of the models, or what is kept lacks some of them. KBError: it is no
+            knowledge base.
     """
     from kb.files.read import read_kb
 
@@ -37,7 +39,14 @@ def known(
             _learn(folder, models, seed, say)
         kb = read_kb(folder)
         numbers = model_names(models) | ids_of([kind.name for kind in kb.types], {})
-        yield kb, {kind.name: numbers[kind.name] for kind in kb.types if kind.name in numbers}
+        named = {kind.name: numbers[kind.name] for kind in kb.types if kind.name in numbers}
+        lacking = sorted(set(model_ids(models)) - set(named.values()))
+        if lacking:
+            raise InputError(
+                f"{folder}: the knowledge base lacks types of {models}: numbers {', '.join(map(str, lacking))}; "
+                "in a folder that does not exist it is learned anew"
+            )
+        yield kb, named
 
 
 def _learn(folder: Path, models: Path, seed: int, say: Callable[[str], None]) -> None:

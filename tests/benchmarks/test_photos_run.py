@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+import shutil
+
 import pytest
 from console import plogic
-from photo_folder import photos, ran
+from photo_folder import models, photos, ran
 
 
 @pytest.fixture(scope="module")
@@ -70,6 +72,16 @@ def test_of_one_type_nothing_is_left_that_could_come_back(one):
     assert done.returncode == 0, done.stderr
     assert found["rows"] == [{"row": "ycb", "left out": 2, "another in its place": 0}]
     assert found["in its place"] == []
+
+
+def test_a_knowledge_base_that_lacks_types_is_told_before_a_photo_is_looked_at(tmp_path, one):
+    models(tmp_path / "photos/ycb/models", {"cube": 1, "twin": 2})
+    shutil.copytree(one / "photos/ycb/test", tmp_path / "photos/ycb/test")
+    shutil.copytree(one / "kbs", tmp_path / "kbs")
+    done = plogic("bench", "photos", "--quick", "--kb", "kbs", cwd=tmp_path, PLOGIC_PHOTOS="photos")
+    assert done.returncode == 1
+    assert "photos/ycb/models: numbers 2; in a folder that does not exist it is learned anew" in done.stderr
+    assert "photo 1/" not in done.stderr
 
 
 @pytest.mark.parametrize(
