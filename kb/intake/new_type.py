@@ -23,7 +23,7 @@ from kb.errors import IntakeError
 from kb.files.quantities import LENGTHS
 from kb.files.schema import json_schema
 from kb.files.write import flow
-from kb.intake.links import named
+from kb.intake.links import named, told_together
 from kb.intake.source import MAX_FILE_BYTES, Source, painted_files
 from kb.surfaces.pieces import pieces_of
 from kb.surfaces.repair import Repaired, repaired
@@ -148,7 +148,8 @@ def new_type(name: str, source: Source, units: str | None, origin: Path, symmetr
         raise IntakeError(f"{origin}: {error}") from error
     files, paint = painted_files(source, scale)
     turns = [] if symmetries else turns_of(mended.surface)
-    parts = [str(piece) for piece in named(pieces_of(mended.surface), mended.surface, source, scale)]
+    pieces, together = named(pieces_of(mended.surface), mended.surface, source, scale)
+    parts = [str(piece) for piece in pieces]
     lines = [*_stand_lines(mended.surface), *_symmetry_lines(list(symmetries), turns)]
     text = _object_text(name, origin.name, units or "m", lines, parts, textured=bool(files))
     files = {"object.yaml": text.encode(), "mesh.ply": ply_bytes(mended.surface)} | files
@@ -161,7 +162,7 @@ def new_type(name: str, source: Source, units: str | None, origin: Path, symmetr
         "parts": len(parts)
     }
     doubt = size_doubt(extent_of(vertices), units or "m")
-    notes = (*source.notes, doubt) if doubt else source.notes
+    notes = (*source.notes, *map(told_together, together), *[doubt][: bool(doubt)])
     return NewType(name, files, document, tuple(_lines(document, mended)), notes)
 
 

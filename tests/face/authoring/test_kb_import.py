@@ -63,7 +63,9 @@ def test_links_are_parts_of_their_names(tmp_path, folder):
         for name, x in boxes.items()
     )
     (tmp_path / "robot.urdf").write_text(f'<robot name="r">{links}</robot>')
-    good("kb", "import", tmp_path / "robot.urdf", "--kb", folder)
+    said = good("kb", "import", tmp_path / "robot.urdf", "--kb", folder)
+    assert said.count("note: ") == 1
+    assert "note: the links true, lid are one part: their shapes touch" in said
     (kind,) = read_kb(folder).types
     places = {node: data["at"][0] for node, data in kind.tree.graph.nodes(data=True) if node}
     assert places == {"base": 0.0, "tip_2": 3.0, "true+lid": 6.5}
@@ -78,7 +80,7 @@ def test_joints_that_move_are_said_to_be_frozen_in_the_first_line(tmp_path, fold
     )
     still = URDF.replace("revolute", "fixed").replace("10 0 0", "1 0 0")
     (tmp_path / "still.urdf").write_text(still)
-    assert "note:" not in good("kb", "import", tmp_path / "still.urdf", "--kb", folder)
+    assert "frozen" not in good("kb", "import", tmp_path / "still.urdf", "--kb", folder)
 
 
 def test_an_unusual_size_is_doubted_with_the_likely_unit(tmp_path, folder):
