@@ -7,7 +7,7 @@
 | BOP `camera.json` | `fx` | |
 | BOP `scene_camera.json` | numbered keys with `cam_K` | mm to m; size from a `camera.json` beside or above |
 | COLMAP `cameras.txt`, `cameras.bin`, a folder with one | `geometry.files.colmap_files` | principal point - 0.5 px |
-| K alone: three lines of three numbers | nothing else is there | the size is the picture's |
+| K alone: nine numbers, in rows or one | nothing else is there | the size is the picture's |
 | ROS `camera_info`, OpenCV FileStorage YAML, XML, JSON | `geometry.files.calibration_files` | |
 
 Each foreign description of a camera, as the contract's `camera` key, whose numbers are checked afterwards.
@@ -42,6 +42,8 @@ HOLDS = "it should hold a camera"
 NOWHERE: Keys = ()
 _JSON = re.compile(r"[\ufeff\s]*(\{|\[(?![A-Z]))")
 """How JSON begins; `[INFO]` does not."""
+_COMMENT, _NUMBERS, _WORD = re.compile(r"#[^\n]*"), re.compile(r"[-+.,;\deE\s\[\]]*"), re.compile(r"[^,;\s\[\]]+")
+"""K alone: numbers, and what stands between them."""
 STRANGE = "has none of the keys of a camera (width, height, K), of Γ (camera) or of BOP (fx, or frames with cam_K)"
 
 
@@ -66,6 +68,9 @@ def read_camera(
         with _told_of(file):
             return _of_colmap(colmap_binary(content_of(file, MAX_BYTES, CameraError)), file, frame, photo)
     text = text_of(file, MAX_BYTES, CameraError, "camera")
+    with _told_of(file):
+        if alone := _of_matrix(text, size):
+            return camera_from_dict(alone)
     if _JSON.match(text):
         document = parsed_json(text, str(path), HOLDS, CameraError, single=True)
         return _from_json(document, file, frame, size, photo)
@@ -74,7 +79,7 @@ def read_camera(
             return camera_from_dict(xml_calibration(text.lstrip("\ufeff"), size))
         if cameras := colmap_text(text):
             return _of_colmap(cameras, file, frame, photo)
-        return camera_from_dict(_of_matrix(text, size) or calibration(text, size))
+        return camera_from_dict(calibration(text, size))
 
 
 @contextmanager
@@ -89,16 +94,26 @@ def _told_of(file: Path) -> Iterator[None]:
 
 
 def _of_matrix(text: str, size: Size) -> dict[str, Any] | None:
-    """The contract's `camera` key of K alone, three lines of three numbers (`numpy.savetxt`); None of else."""
-    rows = [words for line in text.lstrip("\ufeff").splitlines() if (words := line.partition("#")[0].split())]
+    """The contract's `camera` key of K alone, in rows (`numpy.savetxt`, `numpy`'s own print, CSV) or one; None of else.
+
+    Raises:
+        CameraError: numbers alone, but not nine of them, or no size.
+    """
+    plain = _COMMENT.sub("", text.lstrip("\ufeff"))
+    if not _NUMBERS.fullmatch(plain):
+        return None
     try:
-        K = [[float(word) for word in row] for row in rows]
+        rows = [[float(word) for word in words] for line in plain.splitlines() if (words := _WORD.findall(line))]
     except ValueError:
         return None
-    if [len(row) for row in K] != [3, 3, 3]:
+    values = [value for row in rows for value in row]
+    if not values or (len(values) != 9 and _JSON.match(text)):
         return None
+    if len(values) != 9 or len({len(row) for row in rows}) > 1:
+        lengths = shown([len(row) for row in rows])
+        raise CameraError(f"holds numbers alone, and K alone is three rows of three, or nine in one row, not {lengths}")
     width, height = size_of({}, size)
-    return {"width": width, "height": height, "K": K, "dist": []}
+    return {"width": width, "height": height, "K": [values[:3], values[3:6], values[6:]], "dist": []}
 
 
 def _of_colmap(cameras: Mapping[str, Stated], file: Path, name: str | int | None, photo: str | Path | None) -> Camera:

@@ -1,4 +1,5 @@
 import json
+import re
 
 import numpy as np
 import pytest
@@ -155,6 +156,29 @@ def test_k_alone_has_the_pictures_size(tmp_path):
     assert (camera.K == K).all()
     with pytest.raises(CameraError, match=r"K\.txt: states no width and height"):
         read_camera(tmp_path / "K.txt")
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        "600.5, 0, 320\n0, 601, 240\n0, 0, 1\n",
+        "600.5;0;320\n0;601;240\n0;0;1",
+        "[[600.5   0.  320. ]\n [  0.  601.  240. ]\n [  0.    0.    1. ]]\n",
+        "[[600.5, 0, 320], [0, 601, 240], [0, 0, 1]]",
+        "6.005e2 0 320 0 601 240 0 0 1  # a row",
+    ],
+)
+def test_k_alone_in_rows_or_one_whatever_parts_its_numbers(tmp_path, text):
+    camera = read_camera(written(tmp_path, "K.txt", text), size=(640, 480))
+    assert camera.K.tolist() == [[600.5, 0, 320], [0, 601, 240], [0, 0, 1]]
+
+
+@pytest.mark.parametrize(
+    ("text", "lengths"), [("600 0 320\n0 600 240", "[3, 3]"), ("600 0\n0 600 240 1\n0 0 1", "[2, 4, 3]")]
+)
+def test_numbers_alone_that_are_no_k_are_told_as_such(tmp_path, text, lengths):
+    with pytest.raises(CameraError, match=re.escape(f"or nine in one row, not {lengths}")):
+        read_camera(written(tmp_path, "K.txt", text), size=(640, 480))
 
 
 def test_colmaps_principal_point_is_half_a_pixel_off_ours(tmp_path):
