@@ -49,9 +49,9 @@ def why_missing(document: Interpretation, gamma: Gamma, kb: KnowledgeBase, kind:
 def _lines(
     document: Interpretation, gamma: Gamma, kb: KnowledgeBase, kinds: Sequence[ObjectType], *, thorough: bool
 ) -> Iterator[str]:
-    if any(kind.learned is not None for kind in kinds):
-        yield from lacking(document)
-    about_data = _of_data(gamma, kinds)
+    learned, about_data = any(kind.learned is not None for kind in kinds), _of_data(gamma, kinds)
+    if learned or about_data:
+        yield from lacking(document, learned=learned)
     if about_data:
         yield about_data
         return

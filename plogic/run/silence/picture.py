@@ -1,6 +1,6 @@
-"""What a picture lacks of what types were learned from: colours, or light that is neither too little nor too much.
+"""What a picture lacks: light that is neither too little nor too much, and the colours that types were learned in.
 
-* ``lacking(document)``: a sentence each, by the picture that an interpretation holds
+* ``lacking(document, learned=True)``: a sentence each, by the picture that an interpretation holds
 """
 
 import base64
@@ -22,15 +22,15 @@ BURNT, SHARE = 250, 0.5
 same photos in three times the light, nothing was lost."""
 
 
-def lacking(document: Interpretation) -> Iterator[str]:
-    """What of the picture keeps learned types from being found; nothing where there is none, as of a Γ."""
+def lacking(document: Interpretation, *, learned: bool) -> Iterator[str]:
+    """What of the picture keeps types from being found, ``learned`` or by hand; nothing where there is none."""
     row = document["assets"].get("image")
     if row is None:
         return
     image = cv2.imdecode(np.frombuffer(base64.b64decode(row["base64"]), np.uint8), cv2.IMREAD_COLOR)
     if image is None:
         return
-    if np.ptp(image.astype(np.int16), axis=2).max() <= DULL:
+    if learned and np.ptp(image.astype(np.int16), axis=2).max() <= DULL:
         yield (
             "the picture has no colours, and types were learned in colour: their print is compared by brightness, but "
             "what has little print is hardly ever found so; give a picture in colour"
@@ -39,12 +39,12 @@ def lacking(document: Interpretation) -> Iterator[str]:
     most = float(np.quantile(grey, 0.99))
     if most < DARK:
         yield (
-            f"the picture is dark: 99 of 100 pixels are at most {most:.0f} of 255, and types were learned in light; "
-            "give it more light, or a longer exposure"
+            f"the picture is dark: 99 of 100 pixels are at most {most:.0f} of 255"
+            f"{', and types were learned in light' if learned else ''}; give it more light, or a longer exposure"
         )
     burnt = float((grey >= BURNT).mean())
     if burnt > SHARE:
         yield (
-            f"the picture is over-exposed: {burnt:.0%} of its pixels are burnt out, so no print is left there; "
+            f"the picture is over-exposed: {burnt:.0%} of its pixels are burnt out, so nothing is detected there; "
             "give it a shorter exposure"
         )
