@@ -4,9 +4,9 @@
 or by name; ``--scenes N``: of its models so many rendered scenes, those of ``plogic bench support`` but for their
 seeds, instead of its photos. The true plane of a photo is the one that the true poses speak for
 (``plogic.cycle.planes``). Prints by how much true poses that stand on it are off it, and by how many nats they speak
-for their planes (``geometry.bodies.standing.NOISES``); how many of the proposals of what is not there, one of a
-place, stand on it all the same, or are level above it (``plogic.cycle.planes``, ``FREE`` and ``PUT``), and how many
-of the others; and how far the plane is on which what was accepted stands. Every plain type is looked for on the true
+for their planes (``geometry.bodies.standing.NOISES``); which share of the proposals of what is not there, one of a
+place, stand on it all the same, or are level above it (``plogic.cycle.planes``, ``FREE`` and ``PUT``), and of the
+others; and how far the plane is on which what was accepted stands. Every plain type is looked for on the true
 plane as well: printed is what the pixels of the best of each tell, and what has to be added to that so that it is the
 logarithm of a likelihood ratio: next to nothing.
 """
@@ -55,14 +55,14 @@ class Looked(NamedTuple):
     """Of one photo: what true poses are off their plane, rows of tilt (rad) and share of the distance.
 
     ``evidence``: by how many nats they speak for it. ``stand``: of proposals, by whether each was looked for on a plane
-    and is found: whether it is on the true plane, and whether it is level above it instead, released where it was put
-    there; ``error``: of the plane found, rad and a share of its height, None where there is none. ``narrow``: what
-    pixels tell of the best of each plain type that was looked for on the true plane, and whether it is found.
+    and is found: how much likelier its pose is if it stands on the true plane, and if level above it; ``error``: of
+    the plane found, rad and a share of its height, None where there is none. ``narrow``: what pixels tell of the best
+    of each plain type that was looked for on the true plane, and whether it is found.
     """
 
     truths: Floats
     evidence: float
-    stand: dict[tuple[bool, bool], list[tuple[bool, bool]]]
+    stand: dict[tuple[bool, bool], list[tuple[float, float]]]
     error: tuple[float, float] | None
     narrow: list[tuple[float, bool]]
 
@@ -76,6 +76,23 @@ def off_plane(bodies: Bodies, plane: Plane, rests: float) -> Floats:
         way = max(np.flatnonzero(stands.body == body), key=lambda k: ratios[k])
         rows.append((np.linalg.norm(tilted[way]), above[way] / np.linalg.norm(stands.foot[way])))
     return np.array(rows).reshape(-1, 2)
+
+
+def likelier_on(bodies: Bodies, plane: Plane) -> Floats:
+    """(2, B) how much likelier each pose is of a body that stands on a plane, and of one that is level above it."""
+    stands, many = bodies.stands, len(bodies.kind)
+    logs = log_ratios(stands, plane), log_level(stands, plane)
+    ways_to = [stands.chance * np.exp(np.minimum(one, 50.0)) for one in logs]
+    return np.array([np.bincount(stands.body, row, minlength=many) for row in ways_to])
+
+
+def shares_of(likelier: list[tuple[float, float]], rounds: int = 200) -> Floats:
+    """(2,) the shares of those that stand, and that are level, under which such poses are the likeliest (EM)."""
+    told, shares = np.array([(1.0, *row) for row in likelier]), np.full(3, 1.0 / 3.0)
+    for _ in range(rounds):
+        whose = told * shares
+        shares = (whose / whose.sum(axis=1, keepdims=True)).mean(axis=0)
+    return np.asarray(shares[1:])
 
 
 def exact_bodies(truths: list[Hypothesis], setting: Setting) -> Bodies:
@@ -104,8 +121,8 @@ def looked(perceiver: Perceiver, shown: Shown, numbers: dict[str, int]) -> Looke
     every = (*cycle.accepted, *cycle.considered, *cycle.rejected)
     some = [h for h in every if h.pixels is not None and h.type not in neither]
     proposals = abduced(some, [], setting, rests)[0]
-    on, ratios = standing_on(proposals, plane, rests) > 0.5, log_level(proposals.stands, plane)
-    told = {(put, found): list[tuple[bool, bool]]() for put in (False, True) for found in (False, True)}
+    likelier = likelier_on(proposals, plane)
+    told = {(put, found): list[tuple[float, float]]() for put in (False, True) for found in (False, True)}
     for k, posed in enumerate(some):
         most = max(
             (_overlap(posed, truth, perceiver, shown) for name, truth in known if name == posed.type), default=0.0
@@ -114,8 +131,7 @@ def looked(perceiver: Perceiver, shown: Shown, numbers: dict[str, int]) -> Looke
         before = (one.camera_from_object for one in some[:k] if one.type == posed.type)
         if BESIDE < most < OUTLINED or any(same_place(kind, pose, old) for old in before):
             continue
-        level = bool((ratios[proposals.stands.body == k] > 0.0).any()) and not on[k]
-        told[posed.released is not None, most >= OUTLINED].append((bool(on[k]), level))
+        told[posed.released is not None, most >= OUTLINED].append((float(likelier[0, k]), float(likelier[1, k])))
     planes = abduced(cycle.accepted, [], setting, rests)[1].planes
     found = planes[0].known.plane if planes else None
     error = None if found is None else (found.turned(plane), abs(found.offset / plane.offset - 1.0))
@@ -179,9 +195,9 @@ def main(kb_folder: str, dataset: Path, scenes: int | None) -> None:
     print(f"they speak for their planes by {sum(one.evidence for one in rows):.1f} nats")  # noqa: T201
     for put, found in rows[0].stand:
         told = [s for one in rows for s in one.stand[put, found]]
-        name = f"{'put on a plane and released' if put else 'free'} proposals that are {'found' if found else 'of what is not there'}"
-        on, level = (sum(some) for some in zip(*told, strict=True)) if told else (0, 0)
-        print(f"{name}: {on} of {len(told)} stand on the true plane, {level} are level above it")  # noqa: T201
+        on, level = shares_of(told) if told else (0.0, 0.0)
+        name = f"{'put on a plane and released' if put else 'free'}, {'found' if found else 'of what is not there'}"
+        print(f"{len(told)} proposals, {name}: {on:.2f} stand on the true plane, {level:.2f} are level above it")  # noqa: T201
     narrow = [row for one in rows for row in one.narrow]
     for name, wanted in (("wrong", False), ("found", True)):
         some = [told for told, found in narrow if found is wanted]

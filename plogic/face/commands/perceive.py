@@ -100,7 +100,7 @@ def _of_one(source: str, options: Perceiving, clock: Stopwatch, say: Say, write:
         with clock.stage("doubts"):
             document = doubts_weighed(document)
     status = _write_all(document, options, image, clock, write)
-    amiss = surpassed(document).values(), caveats(document), _impossible(document), _lens(document), _doubts(document)
+    amiss = surpassed(document).values(), caveats(document), _impossible(document), _doubts(document)
     for line in (*_silence(document, gamma, kb), *_summary(document, clock), *chain(*amiss)):
         say(line)
     return status
@@ -133,7 +133,7 @@ def _of_pair(inputs: Sequence[str], options: Perceiving, stereo: str, clock: Sto
     status = _write_all(document, options, image, clock, write)
     deep = sum(a.depth is not None for a in gamma.appearances)
     say(f"{len(right.appearances)} appearances in the right image; {deep} of the left one's have depth")
-    amiss = surpassed(document).values(), caveats(document), _lens(document)
+    amiss = surpassed(document).values(), caveats(document)
     for line in (*_silence(document, gamma, kb), *_summary(document, clock), *chain(*amiss)):
         say(line)
     return status

@@ -20,6 +20,7 @@ from plogic.base.errors import BeliefError
 from plogic.face.shown.against import missed_rings
 from plogic.face.shown.edges import Stroke, edges_of
 from plogic.face.shown.ground import ground_of, lines_in_picture
+from plogic.facts.caveats import caveats
 from plogic.facts.document import Interpretation
 
 
@@ -136,7 +137,7 @@ def page(document: Interpretation) -> str:
     size = (int(camera["width"]), int(camera["height"])) if camera else (0, 0)
     rows = [h for h in document.get("hypotheses", []) if h["status"] == "accepted" and h.get("outline")]
     missed = {h["id"]: rings for h in rows if (rings := missed_rings(h, size))}
-    drawn = {"edges": edges, "missed": missed, "ground": _ground(document)}
+    drawn = {"edges": edges, "missed": missed, "ground": _ground(document), "caveats": caveats(document)}
     return one_file(PARTS, ", ".join(accepted) or "nothing known", document, **drawn)
 
 

@@ -51,6 +51,20 @@ def test_what_is_unfinished_says_so_at_its_head(chromium, towers, tmp_path):
     assert ["Unfinished: more time may change all of this." in text for text in said] == [False, True]
 
 
+def test_what_the_worlds_do_not_weigh_and_a_doubtful_camera_are_told_beside_them(chromium, towers, tmp_path):
+    more = {"unweighed": {"h1": 2}, "camera_doubt": {"why": "the focal length is doubtful: it may be half"}}
+    told = [
+        shown_as(chromium, tmp_path, page({**towers, **some})).run(
+            "return [...document.querySelectorAll('#worlds #cautions p')].map((p) => p.textContent)"
+        )
+        for some in ({}, more)
+    ]
+    assert told[0] == []
+    rivals, camera = told[1]
+    assert rivals.startswith("Wedge tower h1 has 2 more rivals, ")
+    assert camera == "The focal length is doubtful: it may be half."
+
+
 def test_every_feature_in_a_world_has_the_mark_of_its_case(shown, towers):
     wanted = [sum(f["case"] == c for h in towers["hypotheses"][:2] for f in h["features"]) for c in "ABCD"]
     assert cases(shown) == wanted

@@ -36,7 +36,7 @@ def test_hostile_names_stay_inside_the_data(towers):
     text = page(
         towers | {"kb": {"name": HOSTILE, "digest": ""}, "hypotheses": [{"status": "accepted", "label": HOSTILE}]}
     )
-    assert text.count("</script>") == 5
+    assert text.count("</script>") == 6
     assert "<img" not in text
     assert embedded({"x": HOSTILE}).isascii()
     assert json.loads(embedded({"x": HOSTILE})) == {"x": HOSTILE}
@@ -61,7 +61,7 @@ def test_ids_in_what_is_drawn_cannot_escape(towers):
     edges = json.loads(element(text, "script", ' type="application/json" id="edges"'))
     assert set(edges) == {h["id"] for h in hostile["hypotheses"]}
     assert any(f"h1{HOSTILE}" in run[2] for run in edges[f"h2{HOSTILE}"])
-    assert text.count("</script>") == 5
+    assert text.count("</script>") == 6
 
 
 def test_page_and_picture_have_the_same_colours(towers):

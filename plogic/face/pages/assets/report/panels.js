@@ -125,6 +125,7 @@ function drawTrace() {
 }
 
 function drawHead() {
+  put('cautions', list(block('caveats')).map((text) => el('p', {class: 'hint'}, sentence(text))));
   const best = worlds[0], explained = appearances.filter((a) => claimant(a.id, best)).length;
   const text = and(best.present.map(label)) || 'Nothing known is in view';
   const mode = doc.reading === 'posterior' ? 'Posterior reading' : `Score reading, mode ${doc.reconsider || 'to_B'}`;
