@@ -76,8 +76,16 @@ def _checked(place: Folder, paths: Iterable[Path]) -> list[Said[Told]]:
     found = list[Said[Told]]()
     for document in filter(None, map(place.document, paths)):
         text, wrong = checked(ObjectModel if found else KBModel, document)
+        unread = {key for one in document.mistakes for key in _with_its_list(one.path)}
+        wrong = [one for one in wrong if one.path not in unread]
         found.append(Said(document, None if text is None else _told(text), wrong))
     return found
+
+
+def _with_its_list(key: str) -> tuple[str, ...]:
+    """Where a value could not be read, and the list of numbers that it is in: what stands for it is no mistake."""
+    above, _, last = key.rpartition(".")
+    return (key, above) if above and last.isdigit() else (key,)
 
 
 def _told(text: str) -> Any:  # noqa: ANN401 - any JSON

@@ -89,3 +89,12 @@ def test_without_a_mesh_there_is_nothing_to_stand_on(tmp_path):
     with pytest.raises(KBErrors, match="stands: a type without a mesh stands on nothing"):
         read_kb(write_small(tmp_path / "a", object=MESHLESS + "stands: [{down: [0, 0, -1]}]\n"))
     assert tent(read_kb(write_small(tmp_path / "b", object=MESHLESS + "stands: never\n"))).resting.down.shape == (0, 3)
+
+
+def test_what_is_no_number_is_told_once(tmp_path):
+    with pytest.raises(KBErrors) as told:
+        small(tmp_path, "[{down: [0, 0, .nan], weight: .inf}]")
+    assert [str(one).partition("stands.")[2] for one in told.value.mistakes] == [
+        "0.down.2: must be finite, not .nan",
+        "0.weight: must be finite, not .inf",
+    ]
