@@ -60,15 +60,22 @@ class RayMesh:
 
     def first_triangle(self, origins: ArrayLike, directions: ArrayLike) -> tuple[Floats, Ints]:
         """As `first_hit`, and the index (N,) of the triangle that is hit, -1 for none."""
-        start, ray = np.broadcast_arrays(
-            last_axes(origins, (-1, 3), "origins"), last_axes(directions, (-1, 3), "directions")
-        )
-        length = lengths(ray)
-        alive = np.isfinite(start).all(axis=-1) & np.isfinite(length) & (length > 0)
-        distance, triangle = np.full(len(ray), np.inf), np.full(len(ray), -1, dtype=np.int64)
+        start, unit, alive = _rays(origins, directions)
+        if alive is None:
+            return self._shoot(start, unit)
+        distance, triangle = np.full(len(alive), np.inf), np.full(len(alive), -1, dtype=np.int64)
         if alive.any():
-            distance[alive], triangle[alive] = self._shoot(start[alive], ray[alive] / length[alive, None])
+            distance[alive], triangle[alive] = self._shoot(start, unit)
         return distance, triangle
+
+    def meets(self, origins: ArrayLike, directions: ArrayLike) -> Mask:
+        """Mask (N,): whether rays as of `first_hit` hit the surface at all."""
+        start, unit, alive = _rays(origins, directions)
+        found = np.zeros(len(unit) if alive is None else len(alive), bool)
+        if len(unit):
+            near, fine, _ = self._near(start, unit)
+            found[slice(None) if alive is None else alive] = self._scene.run(near, fine) >= 0
+        return found
 
     def seen_from(self, eye: Floats, unit: NDArray[np.float32]) -> NDArray[np.int32]:
         """The index (N,) of the triangle that each of unit vectors (N, 3) from one place (3,) m meets first, or -1."""
@@ -83,19 +90,25 @@ class RayMesh:
         a feature's own facets at the feature.
         """
         eye, targets = last_axes(viewpoint, (3,), "viewpoint"), last_axes(points, (-1, 3), "points")
-        hit = self.first_hit(np.broadcast_to(eye, targets.shape), targets - eye)
+        hit = self.first_hit(np.atleast_2d(eye), targets - eye)
         return np.asarray(hit < lengths(targets - eye) - tolerance)
 
     def _shoot(self, start: Floats, unit: Floats) -> tuple[Floats, Ints]:
-        """Distances and triangles of finite rays with unit directions, each begun at the sphere round the surface."""
-        lead = np.maximum(0.0, lengths(start - self.centre) - self.size)  # keeps single precision fine
-        near = ((start + lead[:, None] * unit - self.centre) * self._scale).astype(np.float32)
-        answer = self._scene.run(near, unit.astype(np.float32), output=True)
+        """Distances and triangles of finite rays with unit directions, from places (N, 3) or all from one, (1, 3)."""
+        near, fine, lead = self._near(start, unit)
+        answer = self._scene.run(near, fine, output=True)
         distance, triangle = np.full(len(unit), np.inf), np.asarray(answer["primID"], dtype=np.int64)
         hit = np.flatnonzero(triangle >= 0)
-        rough = np.asarray(answer["tfar"][hit], dtype=np.float64) / self._scale + lead[hit]
-        distance[hit] = self._exact(start[hit], unit[hit], triangle[hit], rough)
+        one = len(start) == 1
+        rough = np.asarray(answer["tfar"][hit], dtype=np.float64) / self._scale + (lead if one else lead[hit])
+        distance[hit] = self._exact(start if one else start[hit], unit[hit], triangle[hit], rough)
         return distance, triangle
+
+    def _near(self, start: Floats, unit: Floats) -> tuple[NDArray[np.float32], NDArray[np.float32], Floats]:
+        """Rays begun at the sphere round the surface, which keeps single precision fine, and how far on that is."""
+        lead = np.maximum(0.0, lengths(start - self.centre) - self.size)
+        near = ((start + lead[:, None] * unit - self.centre) * self._scale).astype(np.float32)
+        return near, unit.astype(np.float32), lead
 
     def _exact(self, start: Floats, unit: Floats, triangle: Ints, rough: Floats) -> Floats:
         """Distances (N,) to the planes of the triangles hit; Embree's where the ray grazes or the two do not agree."""
@@ -105,6 +118,21 @@ class RayMesh:
         rise = summed(normal * (self._corner[triangle] - start))
         distance = np.divide(rise, sink, out=np.full(len(rise), np.nan), where=steep)
         return np.where(np.abs(distance - rough) < 1e-3 * self.size, distance, rough)
+
+
+def _rays(origins: ArrayLike, directions: ArrayLike) -> tuple[Floats, Floats, Mask | None]:
+    """Places and unit directions of the rays that can hit something, and which of all (N,) these are, None: all.
+
+    The places are (1, 3) where all rays start at one and can hit something.
+    """
+    start, ray = last_axes(origins, (-1, 3), "origins"), last_axes(directions, (-1, 3), "directions")
+    shape = np.broadcast_shapes(start.shape, ray.shape)
+    length = lengths(ray)
+    alive = np.broadcast_to(np.isfinite(start).all(axis=-1) & np.isfinite(length) & (length > 0), shape[:1])
+    if alive.all():
+        return start, np.broadcast_to(ray / length[:, None], shape), None
+    start, ray, length = np.broadcast_to(start, shape), np.broadcast_to(ray, shape), np.broadcast_to(length, shape[:1])
+    return start[alive], ray[alive] / length[alive, None], alive
 
 
 @cache

@@ -165,7 +165,7 @@ class Caster:
 
     def lit(self, points: NDArray[np.float64], to_lamp: NDArray[np.float64], lift: float = 1e-3) -> NDArray[np.bool_]:
         """Whether nothing stands between points (N, 3), metres, and a lamp far away in the directions (N, 3)."""
-        return np.asarray(~np.isfinite(self.mesh.first_hit(points + lift * to_lamp, to_lamp)))
+        return ~self.mesh.meets(points + lift * to_lamp, to_lamp)
 
     def _weights(self, points: NDArray[np.float64], triangle: NDArray[np.int64]) -> NDArray[np.float64]:
         """(N, 3) barycentric coordinates of points in their triangles."""

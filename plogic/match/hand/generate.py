@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from itertools import islice
 from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
@@ -15,7 +16,7 @@ from plogic.match.hand.links import linked_poses
 from plogic.match.hand.place_votes import Coarse, coarse_poses, pose_votes
 from plogic.match.judged.evidence import evidence
 from plogic.match.judged.expectation import FEWEST, matched, pose_of
-from plogic.match.judged.rivals import apart, distinct, same_place
+from plogic.match.judged.rivals import Places, apart, distinct
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -181,15 +182,14 @@ def _verified(
 
 def _distinct(found: Candidates, index: PlaceIndex, most: int) -> list[int]:
     """The first candidates that are plausible and not at one place, up to symmetry."""
-    chosen: list[int] = []
-    for i in np.flatnonzero(np.isfinite(found.worth)).tolist():
-        if len(chosen) == most:
-            break
-        each, pose = index.indices[found.kind[i]], found.poses[i]
-        alike = (found.poses[j] for j in chosen if found.kind[j] == found.kind[i])
-        if _plausible(pose, each) and not any(same_place(each.object_type, pose, old) for old in alike):
-            chosen.append(i)
-    return chosen
+    places = [Places(each.object_type) for each in index.indices]
+    some = np.flatnonzero(np.isfinite(found.worth)).tolist()
+    new = (
+        i
+        for i, kind in zip(some, found.kind[some].tolist(), strict=True)
+        if _plausible(found.poses[i], index.indices[kind]) and places[kind].add(found.poses[i])
+    )
+    return list(islice(new, most))
 
 
 def _plausible(pose: Floats, index: TypeIndex) -> bool:

@@ -8,14 +8,14 @@ A4 holds to a millimetre: objects that reach into each other by no more than pos
 together. Of all poses that keep them apart those are taken for which Γ speaks most: each pose's information, from its
 matches, tells what a move costs.
 
-* ``same_place``, ``distinct``, ``apart``: which poses of a type are one hypothesis
+* ``same_place``, ``Places``, ``distinct``, ``apart``: which poses of a type are one hypothesis
 * ``excludes(one, other)``: whether no world holds both; ``overlap``, ``shared_claims``: by volume, by data
 * ``moved_apart(posed, information)``: the poses, and which pairs still reach into each other
 """
 
 from collections.abc import Callable, Collection, Iterable, Sequence
 from functools import lru_cache
-from itertools import combinations
+from itertools import combinations, islice
 from typing import NamedTuple
 
 import numpy as np
@@ -34,12 +34,38 @@ SAME_ROTATION, SAME_PLACE = np.radians(6.0), 0.06
 
 def same_place(object_type: ObjectType, one: Floats, other: Floats) -> bool:
     """Whether two poses of a type are within tolerance of each other, up to its symmetries (§8, near-duplicates)."""
+    return bool(same_places(object_type, one, other[None])[0])
+
+
+def same_places(object_type: ObjectType, one: Floats, others: Floats) -> Mask:
+    """Whether a pose of a type is in the place of each of others (N, 4, 4)."""
     distance = float(np.linalg.norm(one[:3, 3]))
-    middle = np.append(object_type.surface.centre if object_type.surface is not None else np.zeros(3), 1.0)
-    if object_type.surface is not None and np.linalg.norm((one - other) @ middle) > 2.0 * SAME_PLACE * distance:
-        return False  # symmetries keep the middle where it is
-    rotation, translation = pose_error(one, other, object_type.symmetries)
-    return bool(rotation < SAME_ROTATION and translation < SAME_PLACE * distance)
+    same = np.ones(len(others), bool)
+    if object_type.surface is not None:  # symmetries keep the middle where it is
+        gaps = np.linalg.norm((one - others) @ np.append(object_type.surface.centre, 1.0), axis=-1)
+        same = np.asarray(~(gaps > 2.0 * SAME_PLACE * distance))
+    if same.any():
+        rotation, translation = pose_error(one, others[same], object_type.symmetries)
+        same[same] = (rotation < SAME_ROTATION) & (translation < SAME_PLACE * distance)
+    return same
+
+
+class Places:
+    """Poses of a type, no two of them in one place."""
+
+    def __init__(self, object_type: ObjectType) -> None:
+        """There is none yet."""
+        self._object_type, self._poses, self._count = object_type, np.empty((8, 4, 4)), 0
+
+    def add(self, pose: Floats) -> bool:
+        """Add a pose (4, 4), and whether its place was free; else nothing changes."""
+        if same_places(self._object_type, pose, self._poses[: self._count]).any():
+            return False
+        if self._count == len(self._poses):
+            self._poses = np.concatenate([self._poses, np.empty_like(self._poses)])
+        self._poses[self._count] = pose
+        self._count += 1
+        return True
 
 
 EVEN = 6
@@ -48,22 +74,15 @@ EVEN = 6
 
 def distinct(scored: Iterable[tuple[float, Hypothesis]], object_type: ObjectType) -> list[tuple[float, Hypothesis]]:
     """The best of each heap of near-duplicates (§8), best first."""
-    kept: list[tuple[float, Hypothesis]] = []
-    for worth, posed in sorted(scored, key=lambda pair: -round(pair[0], EVEN)):
-        if not any(same_place(object_type, posed.camera_from_object, old.camera_from_object) for _, old in kept):
-            kept.append((worth, posed))
-    return kept
+    places = Places(object_type)
+    best_first = sorted(scored, key=lambda pair: -round(pair[0], EVEN))
+    return [(worth, posed) for worth, posed in best_first if places.add(posed.camera_from_object)]
 
 
 def distinct_poses(object_type: ObjectType, poses: Iterable[Floats], most: int) -> list[Floats]:
     """The first ``most`` of poses (4, 4) that are not at one place, up to symmetry."""
-    kept: list[Floats] = []
-    for pose in poses:
-        if len(kept) == most:
-            break
-        if not any(same_place(object_type, pose, old) for old in kept):
-            kept.append(pose)
-    return kept
+    places = Places(object_type)
+    return list(islice((pose for pose in poses if places.add(pose)), most))
 
 
 def apart(

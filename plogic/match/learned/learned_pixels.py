@@ -21,7 +21,7 @@ from geometry.visibility.rays import RayMesh, depth_of
 from plogic.facts.pixel_table import MOST_BEFORE, PixelTable
 from plogic.match.judged.evidence import evidence
 from plogic.match.judged.expectation import FEWEST
-from plogic.match.judged.rivals import apart_on_screen, distinct, overlap, same_place
+from plogic.match.judged.rivals import Places, apart_on_screen, distinct, overlap, same_place
 
 if TYPE_CHECKING:
     from geometry.arrays import Floats, Mask
@@ -145,10 +145,11 @@ def screened(
     assert photo is not None  # noqa: S101 - the caller looked
     assert paint is not None  # noqa: S101
     rows: list[tuple[float, Floats, float]] = []
+    places = Places(index.object_type)
     for pose, value in zip(poses, worth, strict=True):
         if len(rows) == most:
             break
-        if not any(same_place(index.object_type, pose, old) for _, old, _ in rows):
+        if places.add(pose):
             fit = _coarse(photo, paint, pose, before)
             rows.append((-np.inf if fit is None else fit.score, pose, float(value)))
     return sorted(rows, key=lambda row: -row[0])

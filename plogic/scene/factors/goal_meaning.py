@@ -87,19 +87,22 @@ claimed(_) :- fail. chosen(_, _) :- fail.
 """
 
 
-def free_program(situation: Situation) -> str:
-    """Its text: every present/1, and every chosen/2 that alternatives of causes have, with a label of no meaning."""
+def free_program(situation: Situation, names: Names | None = None, *, data: bool = True) -> str:
+    """Its text: every present/1, and every chosen/2 that alternatives of causes have, with a label of no meaning.
+
+    ``names``: by which table, where it is another situation's; ``data``: with what is in Γ.
+    """
     scene = Scene(situation)
-    return "\n".join(_lines(Writer(scene, dependence(scene), names_of(situation)))) + "\n"
+    return "\n".join(_lines(Writer(scene, dependence(scene), names or names_of(situation)), data=data)) + "\n"
 
 
-def _lines(w: Writer) -> Iterator[str]:
+def _lines(w: Writer, *, data: bool) -> Iterator[str]:
     situation = w.scene.situation
     score = situation.reading == "score"
     yield "present(_) :- fail."
     yield from object_types(w)
     yield from measures(w)
-    yield from facts.geometry(w)
+    yield from facts.geometry(w, data=data)
     yield from support_facts(w)
     yield from cell_facts(w)
     yield from (*evidence_facts(w), *evidence_choices(w), *evidence_rules(w))
@@ -217,9 +220,42 @@ def meaning(
     direct = _direct(situation, goals, given) if situation.own is None else None
     if direct is not None:
         return direct
-    text = Text(free_program(_short(situation, (*goals, *given))), own=added_to(situation))
-    atoms = tuple(names_of(situation).atoms.items())
-    return _ground(text, atoms, tuple(goals), tuple(given), limits or Limits())
+    asked = *goals, *given
+    parts = _spoken(situation, asked, LOOKS), _spoken(situation, asked, DATA)
+    program, atoms = _written(_Very(situation), *parts)
+    return _ground(Text(program, own=added_to(situation)), atoms, tuple(goals), tuple(given), limits or Limits())
+
+
+LOOKS, DATA = ("type_look",), ("datum", "noise")
+"""Words without which nobody speaks of how features look, or of what is in Γ: nothing else is a consequence of it."""
+
+
+def _spoken(situation: Situation, asked: Sequence[str], words: Sequence[str]) -> bool:
+    added = () if situation.own is None else (piece.text for piece in situation.own.pieces())
+    return any(word in text for text in (*asked, situation.rules, *added) for word in words)
+
+
+class _Very:
+    """A situation, which has no hash: equal to no other object, though it says the same."""
+
+    def __init__(self, situation: Situation) -> None:
+        self.situation = situation
+
+    def __hash__(self) -> int:
+        return id(self.situation)
+
+    def __eq__(self, other: object) -> bool:
+        return isinstance(other, _Very) and self.situation is other.situation
+
+
+@lru_cache(maxsize=4)
+def _written(very: _Very, looks: bool, data: bool) -> tuple[str, tuple[tuple[str, str], ...]]:  # noqa: FBT001 - keys
+    """The program of a situation, for goal after goal, and the atom of each of its labels.
+
+    With how features look, and with what is in Γ, or without: in a photo there are thousands of each.
+    """
+    whole, names = very.situation, names_of(very.situation)
+    return free_program(whole if looks else _lookless(whole), names, data=data), tuple(names.atoms.items())
 
 
 @lru_cache(maxsize=8)
@@ -255,11 +291,7 @@ def standing(situation: Situation) -> tuple[Meaning, ...]:
         raise LimitError(f"{files}: what is observed there cannot be weighed: {error}") from None
 
 
-def _short(situation: Situation, asked: Sequence[str]) -> Situation:
-    """Without how features look, of which nothing else is a consequence, where nobody speaks of it."""
-    added = () if situation.own is None else (piece.text for piece in situation.own.pieces())
-    if any("type_look" in text for text in (*asked, situation.rules, *added)):
-        return situation
+def _lookless(situation: Situation) -> Situation:
     return replace(situation, types={name: replace(fact, looks=()) for name, fact in situation.types.items()})
 
 

@@ -107,14 +107,14 @@ def _body(w: Writer, body: BodyFact) -> str:
     return f"{facts} {w.fact(VIEWS[body.view], body.id)}" if body.view in VIEWS else facts
 
 
-def geometry(w: Writer) -> Iterator[str]:
-    """Layer 2: poses, one line a feature, Γ, and relations of pairs."""
+def geometry(w: Writer, *, data: bool = True) -> Iterator[str]:
+    """Layer 2: poses, one line a feature, Γ (``data``: what is in it, too), and relations of pairs."""
     for h in w.scene.situation.hypotheses:
         yield ""
         known = h.id not in w.scene.situation.withheld
         yield from [_position(w, h)] * known
         yield from (_feature(w, h, f, placed=known) for f in h.features)
-    yield from _data(w)
+    yield from _data(w, told=data)
     yield from _pairs(w)
     yield from whereabouts(w)
 
@@ -134,8 +134,8 @@ def _feature(w: Writer, h: Hypothesis, f: FeatureFact, *, placed: bool) -> str:
     return " ".join(facts)
 
 
-def _data(w: Writer) -> Iterator[str]:
-    """Γ.
+def _data(w: Writer, *, told: bool) -> Iterator[str]:
+    """Γ, where it is ``told``.
 
     Who is preferred where several candidate features are matched to one appearance: the smaller residual, then the
     order of Δh.
@@ -143,7 +143,8 @@ def _data(w: Writer) -> Iterator[str]:
     yield ""
     yield "% Γ: appearance, type."
     for a in w.scene.situation.appearances:
-        yield w.fact("datum", a.id, a.type)
+        if told:
+            yield w.fact("datum", a.id, a.type)
         claimants = sorted(
             w.scene.claimants.get(a.id, ()), key=lambda c: math.inf if c[1].residual is None else c[1].residual
         )

@@ -40,6 +40,32 @@ def test_first_hits_equal_the_dense_oracle(body, far):
 
 
 @pytest.mark.parametrize("body", range(3))
+@pytest.mark.parametrize("start", ["one", "many"])
+def test_what_is_met_is_what_has_a_first_hit_and_one_place_is_as_good_as_many(body, start):
+    rng = np.random.default_rng(20 + body)
+    origins = 4.0 * np.eye(3)[:1] if start == "one" else 2.0 * rng.normal(size=(2000, 3))
+    surface, directions = RayMesh(*bodies()[body]), rng.uniform(-1.5, 1.5, (2000, 3)) - origins
+    distance, triangle = surface.first_triangle(origins, directions)
+    assert np.array_equal(surface.meets(origins, directions), np.isfinite(distance))
+    assert np.array_equal(np.isfinite(distance), triangle >= 0)
+    assert 0.01 < np.isfinite(distance).mean() < 1.0
+    spread = np.broadcast_to(origins, directions.shape).copy()
+    assert np.array_equal(surface.first_hit(spread, directions), distance)
+    spoilt, lame = spread.copy(), directions.copy()
+    spoilt[3], lame[5], lame[7] = np.nan, 0.0, np.inf
+    found, rest = surface.first_hit(spoilt, lame), ~np.isin(np.arange(2000), (3, 5, 7))
+    assert np.array_equal(found[rest], distance[rest])
+    assert np.isinf(found[~rest]).all()
+    assert np.array_equal(surface.meets(spoilt, lame), np.isfinite(found))
+
+
+def test_no_rays_meet_nothing():
+    surface = RayMesh(*bodies()[0])
+    assert surface.meets(np.zeros((0, 3)), np.zeros((0, 3))).shape == (0,)
+    assert not surface.meets(np.zeros((2, 3)), np.zeros((2, 3))).any()
+
+
+@pytest.mark.parametrize("body", range(3))
 def test_behind_equals_the_dense_oracle(body):
     rng = np.random.default_rng(10 + body)
     vertices, triangles = bodies()[body]

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from copy import copy
 from dataclasses import replace
 from itertools import permutations
 
@@ -46,16 +47,20 @@ def test_no_search_is_needed_on_return(seed):
 
 
 STAYS = "with the third view first, a tower a storey too high is found, explains what is seen, and no search is made"
+LEFT = pytest.mark.xfail(reason=STAYS, strict=True, raises=AssertionError)
 
 
-@pytest.mark.parametrize("seed", [pytest.param(0, marks=pytest.mark.xfail(reason=STAYS, strict=True)), 1, 2])
+@pytest.mark.parametrize("seed", [pytest.param(0, marks=LEFT), 1, 2])
 def test_in_which_order_views_come_decides_nothing(seed):
     """The first view leaves the distance open, so that its pose is wrong where another looks from the side."""
     views = [view(n, around(angle), seed=seed, noise=0.8) for n, angle in enumerate((0.0, 60.0, 120.0), 1)]
+    begun = {one.id: panorama() for one in views}
+    for one in views:
+        begun[one.id].look(one)
     found = []
-    for order in permutations(views):
-        known = panorama()
-        for one in order:
+    for first, *others in permutations(views):
+        known = continued(begun[first.id])
+        for one in others:
             known.look(one)
         found.append({k.standing.object_type.name: k for k in known.known})
     first = found[0]
@@ -67,6 +72,13 @@ def test_in_which_order_views_come_decides_nothing(seed):
         for name, k in other.items():
             _, moved = pose_error(k.standing.world_from_object, first[name].standing.world_from_object)
             assert moved < 0.005
+
+
+def continued(known):
+    """Another Δp that believes the same, to go on from with other views."""
+    other = copy(known)
+    vars(other).update({name: copy(value) for name, value in vars(known).items() if isinstance(value, list | dict)})
+    return other
 
 
 def around(degrees):
