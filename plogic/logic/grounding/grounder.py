@@ -86,8 +86,8 @@ Environment = list["Small | None"]
 class Grounder:
     """Predicates, the growing formula, and a table of the answered calls (None while one is being answered)."""
 
-    def __init__(self) -> None:
-        self.reader = Reader()
+    def __init__(self, reader: Reader | None = None) -> None:
+        self.reader = reader or Reader()
         self.formula = Formula()
         self.table: dict[Any, Answers | None] = {}
 

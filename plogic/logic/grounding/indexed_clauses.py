@@ -105,13 +105,17 @@ def is_ground(term: Small) -> bool:
 
 
 class Reader:
-    """ProbLog's statements as predicates; raises UnsupportedError for what is not plain rules and choices."""
+    """ProbLog's statements as predicates; raises UnsupportedError for what is not plain rules and choices.
 
-    def __init__(self) -> None:
-        self.predicates: dict[Signature, Predicate] = {}
-        self.spelling: dict[str, str] = {}
-        self.sources = 0
-        self.operators: dict[tuple[str, int], dict[str, Any]] = {}
+    It may go on from where another one ended, which nothing is added to any more: they share their predicates.
+    """
+
+    def __init__(self, before: "Reader | None" = None) -> None:
+        self.predicates: dict[Signature, Predicate] = dict(before.predicates if before else {})
+        self.spelling: dict[str, str] = dict(before.spelling if before else {})
+        self.sources: int = before.sources if before else 0
+        self.operators: dict[tuple[str, int], dict[str, Any]] = dict(before.operators if before else {})
+        self.shared: set[Signature] = set(self.predicates)
 
     def add(self, statement: Any) -> None:  # noqa: ANN401 - a term of ProbLog's
         """Read one statement."""
@@ -150,7 +154,15 @@ class Reader:
                 loose,
                 head.location,
             )
-            self.predicates.setdefault((functor, len(head.args)), Predicate()).add(rule)
+            self._own((functor, len(head.args))).add(rule)
+
+    def _own(self, signature: Signature) -> Predicate:
+        """The predicate, to be added to."""
+        if signature in self.shared:
+            self.shared.remove(signature)
+            other = self.predicates[signature]
+            self.predicates[signature] = Predicate(list(other.rules), other.facts)
+        return self.predicates.setdefault(signature, Predicate())
 
     def goals(self, body: Any, variables: "Variables") -> tuple[Goal, ...]:  # noqa: ANN401
         """A body as a sequence of goals."""

@@ -5,8 +5,10 @@ engine behind the allow-list. Both give the same probabilities; ProbLog's engine
 """
 
 import contextlib
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
+from functools import lru_cache
+from operator import is_
 from pathlib import Path
 from typing import Any
 
@@ -16,13 +18,14 @@ from problog.logic import Clause, Constant, Not, Term, Var
 from plogic.base.errors import NegativeCycleError, NonGroundError, ProgramError, UnknownPredicateError
 from plogic.logic.grounding.ground_program import Ground, Literal, NamedFormula, ground_from, ground_of, negated
 from plogic.logic.grounding.grounder import Grounder
-from plogic.logic.grounding.indexed_clauses import UnsupportedError
+from plogic.logic.grounding.indexed_clauses import Reader, UnsupportedError
 from plogic.logic.safety.added import LAWFUL, check_added, lawful
 from plogic.logic.safety.allowlist import SPECIAL_HEADS
 from plogic.logic.safety.atoms import Names
 from plogic.logic.safety.check import Source, check_goal, check_source, heads, parse, parse_quickly
 from plogic.logic.safety.guarded_engine import engine_for, told
 from plogic.logic.safety.mapping import mapped, shown
+from plogic.logic.safety.rows import SHORT_TEXT
 
 MENDED = (NonGroundError, NegativeCycleError, UnknownPredicateError)
 """Mistakes that may stand where the evidence rules a clause out."""
@@ -44,6 +47,13 @@ class Request:
     names: Names | None
     trust: bool
     folder: str
+
+    def split(self) -> tuple[Source | None, tuple[Any, ...]]:
+        """The program and the statements that come after its own; None and all, where some of its own are left out."""
+        own = len(self.sources[0].statements)
+        if own > len(self.statements) or not all(map(is_, self.sources[0].statements, self.statements)):
+            return None, self.statements
+        return self.sources[0], self.statements[own:]
 
 
 def request_from(document: dict[str, Any]) -> Request:
@@ -167,27 +177,50 @@ def ground(request: Request, *, cyclic: bool = False) -> Ground:
 
 def quickly(request: Request) -> Ground:
     """By our own grounder; raises UnsupportedError where only ProbLog's will do, before anything is told."""
-    grounder = Grounder()
-    asked: list[Any] = []
-    observed: list[tuple[Any, bool]] = []
-    for statement in request.statements:
-        signature = getattr(statement, "signature", "")
-        if signature == "query/1" and type(statement) is Term and statement.probability is None:
-            asked.append(statement.args[0])
-        elif signature in EVIDENCE and type(statement) is Term and statement.probability is None:
-            observed += _evidence(statement)
-        elif SPECIAL_HEADS & {head.signature for head in heads(statement)}:
-            raise UnsupportedError
-        else:
-            grounder.reader.add(statement)
-    if request.goals:
-        asked = [head for head, _ in request.goals]
+    program, more = request.split()
+    short = program is not None and len(program.text) <= SHORT_TEXT
+    told_apart = _told_apart_before(program) if short else _told_apart(program)
+    told_apart = told_apart.and_those(more)
+    grounder = Grounder(told_apart.reader)
+    asked = [head for head, _ in request.goals] or told_apart.asked
     wanted = [pair for goal in asked for pair in grounder.instances(goal, or_none=bool(request.goals))]
-    seen = [pair for goal, holds in observed for pair in _seen(grounder, goal, holds=holds)]
+    seen = [pair for goal, holds in told_apart.observed for pair in _seen(grounder, goal, holds=holds)]
     found = ground_from(grounder.node, wanted, seen)
     if found is None:
         raise UnsupportedError
     return found
+
+
+@dataclass(frozen=True)
+class _ToldApart:
+    """Statements: rules, what they ask, and what they observe, each with whether it holds. Nothing is added to it."""
+
+    reader: Reader
+    asked: list[Any]
+    observed: list[tuple[Any, bool]]
+
+    def and_those(self, statements: Iterable[Any]) -> "_ToldApart":
+        """These and some more. Raises UnsupportedError."""
+        reader, asked, observed = Reader(self.reader), [*self.asked], [*self.observed]
+        for statement in statements:
+            signature = getattr(statement, "signature", "")
+            if signature == "query/1" and type(statement) is Term and statement.probability is None:
+                asked.append(statement.args[0])
+            elif signature in EVIDENCE and type(statement) is Term and statement.probability is None:
+                observed += _evidence(statement)
+            elif SPECIAL_HEADS & {head.signature for head in heads(statement)}:
+                raise UnsupportedError
+            else:
+                reader.add(statement)
+        return _ToldApart(reader, asked, observed)
+
+
+def _told_apart(program: Source | None) -> _ToldApart:
+    return _ToldApart(Reader(), [], []).and_those(() if program is None else program.statements)
+
+
+_told_apart_before = lru_cache(maxsize=16)(_told_apart)
+"""The next question about a program goes on from there; a long one is not kept (``plogic.logic.safety.check``)."""
 
 
 def _evidence(statement: Any) -> list[tuple[Any, bool]]:  # noqa: ANN401 - a term of ProbLog's

@@ -72,7 +72,7 @@ def parse(text: str, file: str = "program", identifier: int = 0, most: int = MOS
     if len(text) > LONGEST_TEXT:
         raise ProgramError(f"longer than {LONGEST_TEXT} characters", file=file)
     if len(text) > LONG:
-        rows = rows_in(text)
+        rows = (_rows_before if len(text) <= SHORT_TEXT else rows_in)(text)
         if rows.deep is not None:
             raise ProgramError(TOO_DEEP, file=file, **_line_column(text, rows.deep))
         if rows.work > most:
@@ -141,6 +141,7 @@ def _empty(statements: Sequence[Any]) -> Any:  # noqa: ANN401 - a term of ProbLo
 _remembered = lru_cache(maxsize=16)(_parsed)
 """A session asks one program many questions, and each request carries its text: a source is frozen, and is read
 once. A long one is not kept, for its terms take some hundred times as many bytes."""
+_rows_before = lru_cache(maxsize=16)(rows_in)
 
 
 Mistake = tuple[type[ProgramError], str, Any]

@@ -5,7 +5,8 @@ formulas. A node is ``["and", [keys]]``, ``["or", [keys]]`` or a choice: ``["pre
 arguments' labels, or one of a rule's own, ``["choice", [alternative, number]]``, whose probabilities come beside.
 """
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterator, Sequence
+from functools import lru_cache
 from typing import Any
 
 from problog.errors import ProbLogError
@@ -16,7 +17,9 @@ from plogic.logic.grounding.ground_program import Alternative, Ground
 from plogic.logic.grounding.indexed_clauses import UnsupportedError
 from plogic.logic.grounding.load import Request, by_problog, quickly, request_from, variables
 from plogic.logic.safety.atoms import Names
+from plogic.logic.safety.check import Source
 from plogic.logic.safety.guarded_engine import told
+from plogic.logic.safety.rows import SHORT_TEXT
 
 OPEN = ("present", "chosen", "support", "footing")
 """The choices that are left open, so that their labels mean nothing; all others are a rule's own."""
@@ -32,7 +35,7 @@ def formulas(document: dict[str, Any]) -> dict[str, Any]:
     or a rule, speaks of the choices in ``document["outside"]``.
     """
     request = request_from(document)
-    reason = _spoken(request.statements, frozenset(document["outside"]))
+    reason = _spoken(request, frozenset(document["outside"]))
     if reason:
         return {"outside": reason}
     try:
@@ -88,11 +91,29 @@ def _label(argument: Any, names: Names | None) -> list[str]:  # noqa: ANN401 - a
     return [labels.get(str(part), str(part)) for part in parts]
 
 
-def _spoken(statements: Iterable[Any], outside: frozenset[str]) -> str | None:
+def _spoken(request: Request, outside: frozenset[str]) -> str | None:
     """What the first body says that has a signature of ``outside`` anywhere in it."""
-    bodies = (s.body for s in statements if isinstance(s, (Clause, AnnotatedDisjunction)))
-    found = next((signature for body in bodies for signature in _signatures(body) if signature in outside), None)
+    program, more = request.split()
+    said = (
+        ()
+        if program is None
+        else _said_by_short(program)
+        if len(program.text) <= SHORT_TEXT
+        else _said(program.statements)
+    )
+    found = next((signature for signature in (*said, *_said(more)) if signature in outside), None)
     return None if found is None else f"{found}, which only the program itself can tell, is spoken of"
+
+
+def _said(statements: Sequence[Any]) -> tuple[str, ...]:
+    """Each signature that occurs in a body, in the order in which they do."""
+    bodies = (s.body for s in statements if isinstance(s, (Clause, AnnotatedDisjunction)))
+    return tuple(dict.fromkeys(signature for body in bodies for signature in _signatures(body)))
+
+
+@lru_cache(maxsize=16)
+def _said_by_short(program: Source) -> tuple[str, ...]:
+    return _said(program.statements)
 
 
 def _signatures(term: Any) -> Iterator[str]:  # noqa: ANN401 - a term of ProbLog's

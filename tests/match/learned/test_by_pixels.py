@@ -31,15 +31,37 @@ def gamma_of(perceiver, image):
     return detect(image, CAMERA, perceiver.kb.appearance_types, perceiver.kb.words)
 
 
+@pytest.fixture(scope="module")
+def photo(perceiver):
+    """A picture of the cube, and its Γ."""
+    image = picture([TRUE], seed=3)
+    image.flags.writeable = False
+    return image, gamma_of(perceiver, image)
+
+
+@pytest.fixture(scope="module")
+def there(perceiver, photo):
+    """Its data, and the cube that is found in them."""
+    data, [found] = accepted(perceiver, photo[1], photo[0])
+    return data, found
+
+
+@pytest.fixture(scope="module")
+def documents(perceiver, photo):
+    """Its interpretation in the score reading, and that of the Γ alone."""
+    image, gamma = photo
+    return perceiver(gamma, Options(), image), perceiver(gamma, Options())
+
+
 def accepted(perceiver, gamma, image=None):
     data, cycle = perceiver.cycle(gamma, Options(), Stopwatch(), image=image)
     return data, list(cycle.accepted)
 
 
-def one_behind(perceiver):
+@pytest.fixture(scope="module")
+def one_behind(perceiver, there):
     """Data, the cube that is found in them, and a hypothesis of the same outline farther away."""
-    image = picture([TRUE], seed=3)
-    data, [found] = accepted(perceiver, gamma_of(perceiver, image), image)
+    data, found = there
     farther = TRUE.copy()
     farther[:3, 3] *= 1.3
     behind = perceiver.models["cube"].settle(farther, data, perceiver.kb, rounds=0)
@@ -63,10 +85,9 @@ def test_the_pose_is_at_least_as_good_and_says_how_well_pixels_fit(perceiver, se
     assert off(with_it.camera_from_object) < max(0.01, off(without.camera_from_object))
 
 
-def test_evidence_has_the_pixels_once(perceiver):
+def test_evidence_has_the_pixels_once(perceiver, there):
     """``worth`` and ``surplus`` without them, and what they add; what is missed costs nothing besides."""
-    image = picture([TRUE], seed=3)
-    data, [found] = accepted(perceiver, gamma_of(perceiver, image), image)
+    data, found = there
     bare, whole = evidence(found.told(pixels=None), data, perceiver.kb), evidence(found, data, perceiver.kb)
     assert bare.surplus > 0.0
     assert whole.surplus - bare.surplus == pytest.approx(found.pixels)
@@ -77,17 +98,17 @@ def test_evidence_has_the_pixels_once(perceiver):
     assert evidence(nothing, data, perceiver.kb).surplus == pytest.approx(SUREST_MISSED - 3.0)
 
 
-def test_a_photo_of_something_else_costs_what_only_keypoints_see(perceiver):
+def test_a_photo_of_something_else_costs_what_only_keypoints_see(perceiver, photo):
     """Γ of the cube with a photo in which it is not: the pixels speak against it, and nothing is accepted."""
-    image = picture([TRUE], seed=3)
+    image, gamma = photo
     other = np.random.default_rng(1).integers(0, 255, image.shape, dtype=np.uint8)
-    _, found = accepted(perceiver, gamma_of(perceiver, image), other)
+    _, found = accepted(perceiver, gamma, other)
     assert found == [] or max(h.pixels for h in found) < 0.0
 
 
-def test_a_pixel_counts_once_for_what_stands_in_front(perceiver):
+def test_a_pixel_counts_once_for_what_stands_in_front(perceiver, one_behind):
     """A hypothesis behind the cube, of the same outline and print, is told with the cube masked: nothing is left."""
-    data, found, behind = one_behind(perceiver)
+    data, found, behind = one_behind
     index = perceiver.models["cube"]
     assert index.beside(behind, [], data).pixels == 30.0
     assert abs(index.beside(behind, [found], data).pixels) < 3.0
@@ -97,10 +118,10 @@ def test_a_pixel_counts_once_for_what_stands_in_front(perceiver):
 @pytest.mark.parametrize(
     ("reading", "says"), [("posterior", "in log-odds"), ("score", "in log-odds, it is accepted by that")]
 )
-def test_the_document_and_the_explanation_have_it(perceiver, reading, says):
-    image = picture([TRUE], seed=3)
-    gamma = gamma_of(perceiver, image)
-    document = perceiver(gamma, Options(reading=reading), image)
+def test_the_document_and_the_explanation_have_it(perceiver, photo, documents, reading, says):
+    image, gamma = photo
+    asked = Options(reading=reading)
+    document, without = documents if asked == Options() else (perceiver(gamma, asked, image), perceiver(gamma, asked))
     (row,) = [h for h in document["hypotheses"] if h["status"] == "accepted"]
     assert row["pixels"] > 8.0
     situation = situation_of(document)
@@ -109,15 +130,13 @@ def test_the_document_and_the_explanation_have_it(perceiver, reading, says):
     assert line.startswith("  for: drawn at its pose it is what the photo shows")
     assert f"{row['pixels']:+.3g} {says}" in line
     assert situation.hypotheses[0].pixel_table == PixelTable((), (row["pixels"],))
-    without = perceiver(gamma, Options(reading=reading))
     assert all("pixels" not in h for h in without["hypotheses"])
     assert not any("photo" in line for line in present(situation_of(without), "present(h1)").summary)
 
 
-def test_the_program_is_told_of_matches_what_they_say_alone(perceiver):
+def test_the_program_is_told_of_matches_what_they_say_alone(perceiver, there):
     """Pixels have a factor of their own, and what is missed costs no more than what is found brings."""
-    image = picture([TRUE], seed=3)
-    data, [found] = accepted(perceiver, gamma_of(perceiver, image), image)
+    data, found = there
     told, bare = (as_fitted(some, data, perceiver.kb) for some in (found, found.told(pixels=None)))
     assert np.array_equal(told, bare)
     few = np.flatnonzero(found.detected & found.candidate)[4:]
@@ -130,23 +149,23 @@ def test_the_program_is_told_of_matches_what_they_say_alone(perceiver):
     assert waived.sum() > owing.sum()
 
 
-def test_of_what_views_suggest_the_pixels_choose(perceiver):
+def test_of_what_views_suggest_the_pixels_choose(perceiver, photo):
     """The true pose comes first though views are for the others, unless for these beyond all measure; none is lost."""
-    photo, paint = Photo(picture([TRUE], seed=3), CAMERA), perceiver.models["cube"].paint
+    shown, paint = Photo(photo[0], CAMERA), perceiver.models["cube"].paint
     nearer, behind = TRUE.copy(), TRUE.copy()
     nearer[:3, 3] *= 0.85
     behind[:3, 3] *= -1.0
     poses = np.array([nearer, TRUE, behind])
-    rows = by_odds(photo, paint, Seen(poses, np.array([5.0, 4.0, 3.0])))
+    rows = by_odds(shown, paint, Seen(poses, np.array([5.0, 4.0, 3.0])))
     assert [pose.tolist() for _, pose in rows] == [TRUE.tolist(), nearer.tolist()]
     assert rows[0][0] > rows[1][0] + 3.0
-    rows = by_odds(photo, paint, Seen(poses, np.array([1000.0, 4.0, 3.0])))
+    rows = by_odds(shown, paint, Seen(poses, np.array([1000.0, 4.0, 3.0])))
     assert [pose.tolist() for _, pose in rows] == [nearer.tolist(), TRUE.tolist()]
 
 
-def test_pixels_are_told_by_who_is_before(perceiver):
+def test_pixels_are_told_by_who_is_before(perceiver, one_behind):
     """One behind the cube has a line for the cube's absence and one for its presence; the cube is before nobody."""
-    data, found, behind = one_behind(perceiver)
+    data, found, behind = one_behind
     index = perceiver.models["cube"]
     table = index.pictured(behind, {"h1": found}, data).pixel_table
     assert table.occluders == ("h1",)
@@ -159,26 +178,22 @@ def test_pixels_are_told_by_who_is_before(perceiver):
     assert index.pictured(behind, many, data).pixel_table[0::2] == (("h0", "h1", "h2", "h3", "h4", "h5"), ("h6", "h7"))
 
 
-def test_the_same_photo_gives_the_same_bytes(perceiver):
-    image = picture([TRUE], seed=3)
-    gamma = gamma_of(perceiver, image)
-    one, two = (text_of(perceiver(gamma, Options(), image)) for _ in range(2))
-    assert one == two
+def test_the_same_photo_gives_the_same_bytes(perceiver, photo, documents):
+    image, gamma = photo
+    assert text_of(perceiver(gamma, Options(), image)) == text_of(documents[0])
 
 
-def test_copies_of_the_process_come_to_the_same(perceiver):
-    image = picture([TRUE], seed=3)
-    gamma, two = gamma_of(perceiver, image), Perceiver(perceiver.kb, processes=2)
-    (_, [one]), (_, [other]) = (accepted(some, gamma, image) for some in (perceiver, two))
+def test_copies_of_the_process_come_to_the_same(perceiver, photo, there):
+    image, gamma = photo
+    _, one = there
+    _, [other] = accepted(Perceiver(perceiver.kb, processes=2), gamma, image)
     assert np.array_equal(one.camera_from_object, other.camera_from_object)
     assert one.pixels == other.pixels
 
 
-def test_a_pose_is_told_how_surely_it_is_right(perceiver):
+def test_a_pose_is_told_how_surely_it_is_right(perceiver, there, documents):
     """In the document, its table, the explanation and Python; a pose that is off is told to be so."""
-    image = picture([TRUE], seed=3)
-    gamma = gamma_of(perceiver, image)
-    document = perceiver(gamma, Options(), image)
+    document, without = documents
     (row,) = [h for h in document["hypotheses"] if h["status"] == "accepted"]
     assert row["pose_probability"] > 0.9
     assert situation_of(document).hypotheses[0].pose_probability == row["pose_probability"]
@@ -186,10 +201,9 @@ def test_a_pose_is_told_how_surely_it_is_right(perceiver):
     told = f"within a tenth of its diameter of the true one (ADD) with probability {row['pose_probability']:.3f}"
     assert any(told in line for line in present(situation_of(document), "present(h1)").summary)
     assert "P(pose)" in [column.header for column in measures(document).columns]
-    without = perceiver(gamma, Options())
     assert all("pose_probability" not in h for h in without["hypotheses"])
     assert "P(pose)" not in [column.header for column in measures(without).columns]
-    data, [found] = accepted(perceiver, gamma, image)
+    data, found = there
     index, off_by = perceiver.models["cube"], TRUE.copy()
     off_by[:3, 3] *= 1.25
     wrong = index.settle(off_by, data, perceiver.kb, rounds=0).told(pixels=0.0)
