@@ -19,7 +19,7 @@ from kb.clouds.cloud import KnowledgeBase, ObjectType
 from kb.clouds.learned import LearnedCloud
 from kb.clouds.lobes import in_lobe
 from kb.shown.misfits import misfits
-from kb.shown.seen_from import DIRECTIONS, FIXING_A_POSE, most_together, named, unseen_features
+from kb.shown.seen_from import DIRECTIONS, FIXING_A_POSE, most_together, named, unseen_features, usual_distance
 
 MANY = 20
 """Expected features with which a type is found though most of them are missed."""
@@ -85,7 +85,7 @@ def learned_summary(kind: ObjectType) -> LearnedSummary:
     assert cloud is not None  # noqa: S101 - the caller looks
     if not len(cloud.feature):
         return LearnedSummary(cloud.detector, len(cloud.at), 0, 0, 0.0, 0.0, 0.0, 0.0, 0, len(cloud.at), 0)
-    distance = float(np.median(np.sqrt(np.maximum(cloud.r_min, 1e-3 * cloud.r_max) * cloud.r_max)))
+    distance = usual_distance(kind)
     expected = _expected(kind, distance)
     sides = len(np.unique(cloud.feature[cloud.sided]))
     return LearnedSummary(

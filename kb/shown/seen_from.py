@@ -63,13 +63,19 @@ def most_together(kind: ObjectType) -> int:
 def _viewpoints(kind: ObjectType, table: LobeTable) -> Floats:
     """Round the type at a few distances, and along some lobes' axes."""
     middle = np.sqrt(np.maximum(table.r_min, 1e-3 * table.r_max) * table.r_max)
-    usual = np.clip(AWAY * size_of(kind), np.median(table.r_min), np.median(table.r_max))
+    usual = usual_distance(kind)
     distances = np.unique([usual, *np.quantile(middle, [0.1, 0.5, 0.9])])
     centre = kind.surface.centre if kind.surface is not None else table.at.mean(axis=0)
     round_it = [centre + distance * even_directions(DIRECTIONS) for distance in distances]
     some = np.linspace(0, len(middle) - 1, min(len(middle), DIRECTIONS)).astype(int)
     along = table.at[some] + np.clip(usual, table.r_min[some], table.r_max[some])[:, None] * table.axis[some]
     return np.concatenate([*round_it, along])
+
+
+def usual_distance(kind: ObjectType) -> float:
+    """Metres at the reference focal length from which it is looked at, where its features can be seen from there."""
+    table = kind.lobes
+    return float(np.clip(AWAY * size_of(kind), np.median(table.r_min), np.median(table.r_max)))
 
 
 def size_of(kind: ObjectType) -> float:

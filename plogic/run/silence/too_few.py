@@ -14,7 +14,7 @@ from geometry.camera import Camera, centred_camera
 from geometry.cones import even_directions
 from geometry.frames import look_at
 from kb.clouds.cloud import KnowledgeBase
-from kb.shown.seen_from import AWAY, size_of
+from kb.shown.seen_from import usual_distance
 from plogic.cycle.judging import judge, refusal
 from plogic.cycle.state import State, Task
 from plogic.match.gamma.data import data_of
@@ -63,7 +63,7 @@ def _judged(
     """How many features the one type of ``kb`` shows, and why it would be refused; None where it would not be."""
     (kind,) = kb.types
     table = kind.lobes
-    away = float(np.clip(AWAY * size_of(kind), np.median(table.r_min), np.median(table.r_max)))
+    away = usual_distance(kind)
     centre = kind.surface.centre if kind.surface is not None else table.at.mean(axis=0)
     up = (0.0, 0.0, 1.0) if abs(direction[2]) < 0.9 else (1.0, 0.0, 0.0)
     pose = look_at(centre + away * direction, centre, up)

@@ -12,7 +12,7 @@ from painted_cube import CORNER, COUNT, F_REF, PIXELS, SIDE, cloud, cube, facing
 
 from geometry.cones import even_directions, spacing
 from kb.clouds.learned import cloud_bytes, read_cloud
-from kb.learning.features import BEYOND, END, LEAST_SEEN, STEP, _alike, _places, cloud_of, reaches
+from kb.learning.features import BEYOND, END, LEAST_SEEN, NEARER, STEP, _alike, _places, cloud_of, reaches
 from kb.learning.observations import AWAY, EDGE, MARGIN, OFTEN, bare, distance, joined, variants
 from sensing.pixels.turntable import turned
 
@@ -86,7 +86,7 @@ def test_features_are_where_they_were_seen_and_their_lobes_hold_who_saw_them():
             assert (some.direction[lobe] @ here.axis[row] >= np.cos(here.half_angle[row])).all()
             levels = some.level[lobe].tolist()
             nearest, farthest = (distance(PIXELS[level], SIDE * 3**0.5, F_REF) for level in (min(levels), max(levels)))
-            assert here.r_min[row] == pytest.approx(nearest / (END if min(levels) == 0 else STEP))
+            assert here.r_min[row] == pytest.approx(nearest / (NEARER if min(levels) == 0 else STEP))
             assert here.r_max[row] == pytest.approx(farthest * (END if max(levels) == len(PIXELS) - 1 else STEP))
             assert here.size[row] == pytest.approx(np.exp(np.log(some.size[lobe]).mean()))
 

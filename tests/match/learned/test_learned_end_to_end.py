@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 from painted_cube import CAMERA, CORNER, cloud, paint, picture, pose_towards, seen, write_knowledge
 
+from geometry.camera import Camera
 from geometry.frames import pose_error
 from kb.clouds.learned import LearnedCloud
 from kb.files.read import read_kb
@@ -22,13 +23,13 @@ def perceiver(tmp_path_factory):
     return Perceiver(read_kb(write_knowledge(tmp_path_factory.mktemp("kb"), {"cube": cloud(seen())})))
 
 
-def gamma(perceiver, image):
-    return detect(image, CAMERA, perceiver.kb.appearance_types, perceiver.kb.words)
+def gamma(perceiver, image, camera=CAMERA):
+    return detect(image, camera, perceiver.kb.appearance_types, perceiver.kb.words)
 
 
-def found(perceiver, image):
+def found(perceiver, image, camera=CAMERA):
     """camera_from_object of the hypotheses of the likeliest world."""
-    document = perceiver(gamma(perceiver, image))
+    document = perceiver(gamma(perceiver, image, camera))
     by_id = {h["id"]: h for h in document["hypotheses"]}
     return [np.array(by_id[name]["T_camera_object"]) for name in document["worlds"][0]["present"]]
 
@@ -68,6 +69,19 @@ def test_a_cube_is_found_where_it_is(perceiver, direction, distance, roll, aside
     poses = found(perceiver, picture([truth], seed=3))
     assert len(poses) == 1
     degrees, share = errors(poses[0], truth)
+    assert degrees < 5.0
+    assert share < 0.05
+
+
+@pytest.mark.parametrize("larger", [2, 5])
+def test_it_is_found_in_a_picture_in_which_it_is_larger_than_any_that_it_was_learned_from(perceiver, larger):
+    """Here it is 290 and 720 pixels large, and was 160 at most."""
+    truth = pose_towards(CORNER, 0.60)
+    image = cv2.resize(picture([truth], seed=3), None, fx=larger, fy=larger, interpolation=cv2.INTER_CUBIC)
+    K = CAMERA.K * [[larger], [larger], [1.0]]
+    K[:2, 2] += 0.5 * (larger - 1)
+    (pose,) = found(perceiver, image, Camera(image.shape[1], image.shape[0], K))
+    degrees, share = errors(pose, truth)
     assert degrees < 5.0
     assert share < 0.05
 

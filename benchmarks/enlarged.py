@@ -1,0 +1,64 @@
+"""Real photos enlarged or shrunk: what is found in them, at sizes other than those that types were learned from.
+
+``python benchmarks/enlarged.py KB DATASET FACTOR``: the types of KB are those of DATASET, real photos in BOP's layout,
+by number or by name. Each photo is made FACTOR times as large, with its camera, and perceived without support. Nothing
+new is seen in an enlarged one: what a camera with more pixels sees of the same thing is at least that.
+"""
+
+import argparse
+from pathlib import Path
+
+import cv2
+import numpy as np
+
+from benchmarks.photos.answers import Looker, Shown, photos_of
+from benchmarks.photos.knowledge import resting
+from benchmarks.photos.score import Counts
+from benchmarks.photos.table import measure_of
+from geometry.camera import Camera
+from plogic.run.bop.dataset import open_dataset
+from plogic.run.bop.models import ids_of, model_names
+from plogic.run.sources import kb_of
+
+
+def enlarged(shown: Shown, factor: float) -> Shown:
+    """The photo ``factor`` times as large; an integer is a pixel's centre in both."""
+    old = shown.camera
+    width, height = round(old.width * factor), round(old.height * factor)
+    by = np.array([width / old.width, height / old.height])
+    K = old.K.copy()
+    K[:2] *= by[:, None]
+    K[:2, 2] += 0.5 * (by - 1.0)
+    how = cv2.INTER_AREA if factor < 1.0 else cv2.INTER_CUBIC
+    image = np.asarray(cv2.resize(shown.image, (width, height), interpolation=how), np.uint8)
+    return shown._replace(image=image, camera=Camera(width, height, K, old.dist))
+
+
+def main(kb_folder: str, dataset: Path, factor: float) -> None:
+    """Print a line a photo, and the sums."""
+    kb = kb_of(kb_folder)
+    known = model_names(dataset / "models") | ids_of([kind.name for kind in kb.types], {})
+    numbers = {kind.name: known[kind.name] for kind in kb.types if kind.name in known}
+    measure, looker = measure_of(kb, numbers, dataset / "models"), Looker(resting(kb, maybe=False), numbers)
+    total = Counts()
+    for photo in photos_of(open_dataset(dataset)):
+        shown = enlarged(photo, factor)
+        document, _, seconds = looker.looked(shown)
+        one, _ = measure.counted(shown, list(looker.accepted(document).values()))
+        total += one
+        print(f"{shown.name}: {_told(one)}; {seconds:.1f} s", flush=True)  # noqa: T201 - a script
+    print(f"all: {_told(total)}")  # noqa: T201
+
+
+def _told(counts: Counts) -> str:
+    of = f"of {counts.there} {counts.found} found, {counts.right} right"
+    return f"{of}; {counts.accepted} accepted, {counts.false} of types that are not there"
+
+
+if __name__ == "__main__":
+    parser = argparse.ArgumentParser(description=(__doc__ or "").partition("\n")[0])
+    parser.add_argument("kb", metavar="KB")
+    parser.add_argument("dataset", type=Path, metavar="DATASET")
+    parser.add_argument("factor", type=float, metavar="FACTOR")
+    asked = parser.parse_args()
+    main(asked.kb, asked.dataset, asked.factor)
