@@ -15,23 +15,17 @@ from benchmarks.photos.answers import Looker, Shown, photos_of
 from benchmarks.photos.knowledge import resting
 from benchmarks.photos.score import Counts
 from benchmarks.photos.table import measure_of
-from geometry.camera import Camera
 from plogic.run.bop.dataset import open_dataset
 from plogic.run.bop.models import ids_of, model_names
 from plogic.run.sources import kb_of
 
 
 def enlarged(shown: Shown, factor: float) -> Shown:
-    """The photo ``factor`` times as large; an integer is a pixel's centre in both."""
-    old = shown.camera
-    width, height = round(old.width * factor), round(old.height * factor)
-    by = np.array([width / old.width, height / old.height])
-    K = old.K.copy()
-    K[:2] *= by[:, None]
-    K[:2, 2] += 0.5 * (by - 1.0)
+    """The photo ``factor`` times as large."""
+    size = round(shown.camera.width * factor), round(shown.camera.height * factor)
     how = cv2.INTER_AREA if factor < 1.0 else cv2.INTER_CUBIC
-    image = np.asarray(cv2.resize(shown.image, (width, height), interpolation=how), np.uint8)
-    return shown._replace(image=image, camera=Camera(width, height, K, old.dist))
+    image = np.asarray(cv2.resize(shown.image, size, interpolation=how), np.uint8)
+    return shown._replace(image=image, camera=shown.camera.resized(*size))
 
 
 def main(kb_folder: str, dataset: Path, factor: float) -> None:

@@ -154,6 +154,14 @@ class Camera:
         """The inverse of `world_from_camera` (4, 4), None where the camera does not know its place."""
         return None if self.world_from_camera is None else frozen(inverse(self.world_from_camera))
 
+    def resized(self, width: int, height: int) -> "Camera":
+        """The camera of the same picture at another size, px; an integer is a pixel's centre in both."""
+        by = np.array([width / self.width, height / self.height])
+        K = self.K.copy()
+        K[:2] *= by[:, None]
+        K[:2, 2] += 0.5 * (by - 1.0)
+        return Camera(width, height, K, self.dist, self.world_from_camera)
+
     def project(self, points_camera: ArrayLike) -> Floats:
         """Pixels (..., 2) of `points_camera` (..., 3) m; NaN rows for z <= 1e-6 m and past the lens' fold."""
         points = last_axes(points_camera, (3,), "points_camera")

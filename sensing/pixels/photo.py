@@ -39,12 +39,28 @@ def greyed(bgr: NDArray[np.float32]) -> NDArray[np.float32]:
     return np.repeat(np.asarray(cv2.cvtColor(bgr, cv2.COLOR_BGR2GRAY), np.float32)[..., None], 3, axis=2)
 
 
+LONGEST = 720
+"""Pixels of a photo's longer side in which views are looked for: they are 40 to 300 pixels large
+(``sensing.views.search``), and things that cover the same share of larger photos are to be found as well."""
+
+
 @dataclass(frozen=True, eq=False)
 class Photo:
     """``image`` (H, W, 3) uint8, blue first, and its camera."""
 
     image: Bytes
     camera: Camera
+
+    @cached_property
+    def small(self) -> "Photo":
+        """The same with a longer side of ``LONGEST`` pixels; itself where it has no more."""
+        height, width = self.image.shape[:2]
+        share = LONGEST / max(height, width)
+        if share >= 1.0:
+            return self
+        size = max(1, round(width * share)), max(1, round(height * share))
+        image = np.asarray(cv2.resize(self.image, size, interpolation=cv2.INTER_AREA), np.uint8)
+        return Photo(image, self.camera.resized(*size))
 
     @cached_property
     def grey(self) -> bool:

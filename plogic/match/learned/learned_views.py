@@ -66,7 +66,7 @@ def maps_for(indices: Sequence[LearnedIndex], data: Data, processes: int) -> Pho
     from sensing.views.maps import PhotoMaps
     from sensing.views.search import share_maps
 
-    maps, plain = PhotoMaps(data.photo.image), [index for index in painted if index.plain]
+    maps, plain = PhotoMaps(data.photo.small.image), [index for index in painted if index.plain]
     draw(plain, processes)
     if plain:  # else hardly any is searched, and on planes alone
         share_maps(maps)
@@ -75,24 +75,25 @@ def maps_for(indices: Sequence[LearnedIndex], data: Data, processes: int) -> Pho
 
 def seen_anywhere(index: LearnedIndex, maps: PhotoMaps | None, data: Data) -> Seen:
     """The poses of a type that a photo's maps suggest, the best first; none of what has print."""
-    if maps is None or not index.plain or index.body is None:
+    if maps is None or data.photo is None or not index.plain or index.body is None:
         return NOT_SEEN
     from sensing.views.search import searched
 
-    return Seen(*searched(maps, data.camera, index.body, PROPOSED))
+    return Seen(*searched(maps, data.photo.small.camera, index.body, PROPOSED))
 
 
 def seen_on(index: LearnedIndex, maps: PhotoMaps | None, data: Data, supports: Sequence[Known]) -> list[Seen]:
     """The poses of a type on each of planes below the camera that a photo's maps suggest, the best first."""
-    if maps is None or index.body is None:
+    if maps is None or data.photo is None or index.body is None:
         return [NOT_SEEN] * len(supports)
     from sensing.views.maps import TypeMaps
     from sensing.views.standing import stood
 
     mine = TypeMaps(maps, index.body.views)
     on = PROPOSED_ON if index.plain else PROPOSED_BESIDE
+    camera = data.photo.small.camera
     most = (on if known.area is None else PROPOSED_ON_TOP for known in supports)
     return [
-        Seen(*stood(mine, data.camera, index.body, known, index.resting, some))
+        Seen(*stood(mine, camera, index.body, known, index.resting, some))
         for known, some in zip(supports, most, strict=True)
     ]
