@@ -49,8 +49,8 @@ BEYOND = 0.8
 """So much of the angle between neighbouring directions a lobe reaches beyond those that showed it."""
 STEP, END, NEARER = 1.25, 1.5, 8.0
 """By this factor a lobe reaches nearer and farther than the pictures that showed it: about half way to the next; END
-where there is none farther away. What is seen in the largest picture is seen NEARER as well, only larger: of the
-objects in the ``ycb`` photos enlarged twice 11 are found so, and with END 4 (docs/benchmarks.md)."""
+where there is none farther away. What is seen in the largest picture is seen NEARER as well, only larger: of 12
+objects in the ``ycb`` photos made twice as large 11 are found so, and 4 with END (``python benchmarks/enlarged.py``)."""
 
 
 class _Groups:
