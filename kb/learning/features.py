@@ -50,7 +50,7 @@ BEYOND = 0.8
 STEP, END, NEARER = 1.25, 1.5, 8.0
 """By this factor a lobe reaches nearer and farther than the pictures that showed it: about half way to the next; END
 where there is none farther away. What is seen in the largest picture is seen NEARER as well, only larger: of 12
-objects in the ``ycb`` photos made twice as large 11 are found so, with END in its place 4 (``benchmarks/enlarged.py``)."""
+objects in the ``ycb`` photos made twice as large 11 are found so, 4 with END (``benchmarks/enlarged.py``)."""
 
 
 class _Groups:
