@@ -244,7 +244,16 @@ LABELS = {
     "c.\nt(_)::p.\nquery(c).": "u.pl:2:1: t(_) is not a probability: it is to be learned",
     "c.\n?::u.\nquery(c).": "u.pl:2:1: ? is not a probability: it is a decision",
     "c.\nnormal(0,1)::x.\nquery(c).": "u.pl:2:1: normal(0,1) is not a probability: it is a distribution",
+    "c.\n9 ** (9 ** (9 ** 9))::x.\nquery(c).": "u.pl:2:3: 9**(9**(9**9)) is not a probability: it holds a number of more",
 }
+
+
+def test_powers_that_are_probabilities_are_worked_out():
+    program = "2 ** (-3)::a. 0.5 ** 2::b. 1 / (2 ^ 3000)::c. (1 << 2) / 8::d. 1 ** (1 << 40)::e. query(a). query(b)."
+    more = " query(c). query(d). query(e)."
+    (answers,) = run([Text(program + more)], [])
+    found = {answer.goal: answer.probability for answer in answers}
+    assert found == pytest.approx({"a": 0.125, "b": 0.25, "c": 0.0, "d": 0.5, "e": 1.0})
 
 
 @pytest.mark.parametrize("program", LABELS)
@@ -322,10 +331,19 @@ def test_a_recursion_is_suspected_where_what_is_asked_calls_itself_with_more(pro
 @pytest.mark.parametrize(
     "label", ["9 ** (9 ** (9 ** 9))", "9 ^ (9 ^ (9 ^ 9))", "1 << (1 << 60)", "1 / (3 + 2 ** (2 ** 40))"]
 )
-def test_a_label_whose_value_may_be_long_is_left_to_the_run(label):
+def test_a_label_whose_value_would_be_long_is_told_and_not_worked_out(label):
     from plogic.logic.safety.check import check_source, parse
 
-    assert check_source(parse(f"{label}::a.", "u.pl")) == {"a/0"}
+    with pytest.raises(
+        ProgramError, match=r"^u\.pl:1:3: .* is not a probability: it holds a number of more than 10000 "
+    ):
+        check_source(parse(f"{label}::a.", "u.pl"))
+
+
+def test_a_power_of_what_only_a_run_can_tell_is_left_to_it():
+    from plogic.logic.safety.check import check_source, parse
+
+    assert check_source(parse("X ** (9 ** 9)::a(X) :- b(X). b(0.5).", "u.pl")) == {"a/1", "b/1"}
 
 
 def test_quotes_that_are_never_closed_are_looked_through_once():

@@ -5,7 +5,7 @@ from collections.abc import Iterator
 from typing import Any
 
 from problog.errors import ProbLogError
-from problog.logic import Term, Var
+from problog.logic import Constant, Term, Var
 
 from plogic.base.bounds import SLACK
 
@@ -74,6 +74,34 @@ def adding_up(total: float) -> str:
 
 GROWS = frozenset({"**", "^", "<<"})
 """Functions whose values may be longer than any memory: they are computed where time and memory are limited."""
+LONGEST = 10_000
+"""Bits of a whole number that a label may be computed by."""
+
+
+def holds_too_large(label: Any) -> bool:  # noqa: ANN401 - a term of ProbLog's
+    """Whether a label has a power in it of more than ``LONGEST`` bits, which is not worked out."""
+    parts, stack = [], [label]
+    while stack:
+        parts.append(stack.pop())
+        stack += getattr(parts[-1], "args", ())
+    if not any(_functor(part) in GROWS for part in parts):
+        return False
+    values: dict[int, Any] = {}
+    for part in reversed(parts):  # arguments before what they are of
+        its: list[Any] = [values.get(id(argument)) for argument in getattr(part, "args", ())]
+        if _functor(part) in GROWS and len(its) == 2 and all(isinstance(value, int) for value in its):
+            base, exponent = its
+            if exponent * (1 if _functor(part) == "<<" else abs(base).bit_length() - 1) > LONGEST:
+                return True
+        try:
+            values[id(part)] = Term(part.functor, *map(Constant, its)).compute_value() if its else part.value
+        except (AttributeError, ProbLogError, ArithmeticError, TypeError, ValueError):
+            values[id(part)] = None
+    return False
+
+
+def _functor(part: Any) -> str:  # noqa: ANN401 - a term of ProbLog's
+    return str(getattr(part, "functor", "")).strip("'")
 
 
 def number_of(label: Any) -> float | None:  # noqa: ANN401 - a term of ProbLog's
@@ -81,7 +109,7 @@ def number_of(label: Any) -> float | None:  # noqa: ANN401 - a term of ProbLog's
     stack = [label]
     while stack:
         part = stack.pop()
-        if str(getattr(part, "functor", "")).strip("'") in GROWS:
+        if _functor(part) in GROWS:
             return None
         stack += getattr(part, "args", ())
     try:
@@ -93,5 +121,7 @@ def number_of(label: Any) -> float | None:  # noqa: ANN401 - a term of ProbLog's
 def _wrong(label: Any, value: float | None) -> str:  # noqa: ANN401 - a term of ProbLog's
     if value is None:
         why = "" if isinstance(label, Var) else NOT_HERE.get(str(getattr(label, "functor", "")), "")
+        if not why and holds_too_large(label):
+            why = f"it holds a number of more than {LONGEST} bits"
         return why and f"{label} is not a probability: {why}"
     return "" if -1e-9 <= value <= 1.0 + 1e-9 else f"{label} is not a probability: it must be from 0 to 1"
