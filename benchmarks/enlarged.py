@@ -5,18 +5,17 @@ by number or by name. Each photo is made FACTOR times as large, with its camera,
 new is seen in an enlarged one: what a camera with more pixels sees of the same thing is at least that.
 """
 
-import argparse
 from pathlib import Path
 
 import cv2
 import numpy as np
 
 from benchmarks.photos.answers import Looker, Shown, photos_of
-from benchmarks.photos.knowledge import resting
+from benchmarks.photos.knowledge import numbers_of, resting
 from benchmarks.photos.score import Counts
 from benchmarks.photos.table import measure_of
+from benchmarks.shared.arguments import of_kb_and_dataset
 from plogic.run.bop.dataset import open_dataset
-from plogic.run.bop.models import ids_of, model_names
 from plogic.run.sources import kb_of
 
 
@@ -31,8 +30,7 @@ def enlarged(shown: Shown, factor: float) -> Shown:
 def main(kb_folder: str, dataset: Path, factor: float) -> None:
     """Print a line a photo, and the sums."""
     kb = kb_of(kb_folder)
-    known = model_names(dataset / "models") | ids_of([kind.name for kind in kb.types], {})
-    numbers = {kind.name: known[kind.name] for kind in kb.types if kind.name in known}
+    numbers = numbers_of(kb, dataset / "models")
     measure, looker = measure_of(kb, numbers, dataset / "models"), Looker(resting(kb, maybe=False), numbers)
     total = Counts()
     for photo in photos_of(open_dataset(dataset)):
@@ -50,9 +48,7 @@ def _told(counts: Counts) -> str:
 
 
 if __name__ == "__main__":
-    parser = argparse.ArgumentParser(description=(__doc__ or "").partition("\n")[0])
-    parser.add_argument("kb", metavar="KB")
-    parser.add_argument("dataset", type=Path, metavar="DATASET")
+    parser = of_kb_and_dataset(__doc__)
     parser.add_argument("factor", type=float, metavar="FACTOR")
     asked = parser.parse_args()
     main(asked.kb, asked.dataset, asked.factor)

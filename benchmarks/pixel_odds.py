@@ -21,6 +21,7 @@ from typing import NamedTuple
 import numpy as np
 
 from benchmarks.photos.answers import photos_of
+from benchmarks.photos.knowledge import numbers_of
 from benchmarks.recognition.scenes import EMPTY_EVERY, HARD
 from benchmarks.recognition.score import HALF
 from benchmarks.tabletop.scene import recognition_scene
@@ -34,7 +35,6 @@ from plogic.match.learned.learned_pixels import FITTED, FITTED_SEEN, PROMISING, 
 from plogic.match.learned.learned_poses import proposed
 from plogic.match.learned.learned_views import SEEN, maps_for, seen_anywhere
 from plogic.run.bop.dataset import open_dataset
-from plogic.run.bop.models import ids_of, model_names
 from plogic.run.perceive import Perceiver
 from plogic.run.sources import kb_of
 from sensing.detectors.detector import detect
@@ -232,7 +232,7 @@ def main(pairs: Sequence[tuple[str, Path]], count: int) -> None:
         kb = kb_of(kb_folder)
         perceiver = Perceiver(kb)
         paints = paints_of(perceiver)
-        numbers = model_names(dataset / "models") | ids_of([kind.name for kind in kb.types], {})
+        numbers = numbers_of(kb, dataset / "models")
         made = simulated(paints, dataset.name, DEVELOPED + APART * k, count)
         photos = [*real(dataset, {numbers[name]: name for name in perceiver.models}), *made]
         for some in each(lambda shown: list(rows_of(perceiver, shown)), photos, processors()):  # noqa: B023 - used here

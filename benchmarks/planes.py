@@ -11,7 +11,6 @@ plane as well: printed is what the pixels of the best of each tell, and what has
 logarithm of a likelihood ratio: next to nothing.
 """
 
-import argparse
 from collections.abc import Iterator
 from dataclasses import replace
 from pathlib import Path
@@ -20,8 +19,10 @@ from typing import NamedTuple
 import numpy as np
 
 from benchmarks.photos.answers import Shown, photos_of
+from benchmarks.photos.knowledge import numbers_of
 from benchmarks.photos.planes import true_bodies, true_plane
 from benchmarks.photos.score import OUTLINED, Posed, overlap_of
+from benchmarks.shared.arguments import of_kb_and_dataset
 from benchmarks.support.bench import scenes_with
 from geometry.arrays import Floats
 from geometry.bodies.resting import Plane
@@ -37,7 +38,6 @@ from plogic.match.learned.learned_models import LearnedIndex
 from plogic.match.learned.learned_poses import resting
 from plogic.match.learned.learned_views import maps_for, seen_on
 from plogic.run.bop.dataset import open_dataset
-from plogic.run.bop.models import ids_of, model_names
 from plogic.run.perceive import Perceiver
 from plogic.run.sources import detected, kb_of
 from sensing.detectors.detector import detect
@@ -120,13 +120,11 @@ def looked(perceiver: Perceiver, shown: Shown, numbers: dict[str, int]) -> Looke
     neither = {names.get(number) for number in shown.neither}
     every = (*cycle.accepted, *cycle.considered, *cycle.rejected)
     some = [h for h in every if h.pixels is not None and h.type not in neither]
-    proposals = abduced(some, [], setting, rests)[0]
+    proposals = with_noise(bodies_of(some, [], setting))
     likelier = likelier_on(proposals, plane)
     told = {(put, found): list[tuple[float, float]]() for put in (False, True) for found in (False, True)}
     for k, posed in enumerate(some):
-        most = max(
-            (_overlap(posed, truth, perceiver, shown) for name, truth in known if name == posed.type), default=0.0
-        )
+        most = overlap_with(posed, known, perceiver, shown)
         kind, pose = posed.object_type, posed.camera_from_object
         before = (one.camera_from_object for one in some[:k] if one.type == posed.type)
         if BESIDE < most < OUTLINED or any(same_place(kind, pose, old) for old in before):
@@ -137,10 +135,7 @@ def looked(perceiver: Perceiver, shown: Shown, numbers: dict[str, int]) -> Looke
     error = None if found is None else (found.turned(plane), abs(found.offset / plane.offset - 1.0))
     on_it = abduced(truths, [], setting, rests)[1].planes[0].known
     narrow = [
-        (
-            best.pixels or 0.0,
-            any(_overlap(best, truth, perceiver, shown) >= OUTLINED for name, truth in known if name == best.type),
-        )
+        (best.pixels or 0.0, overlap_with(best, known, perceiver, shown) >= OUTLINED)
         for best in looked_for(perceiver, shown, on_it)
         if best.type not in neither
     ]
@@ -174,17 +169,21 @@ def narrow_of(rows: list[tuple[float, bool]]) -> float:
     )
 
 
-def _overlap(posed: Hypothesis, truth: Posed, perceiver: Perceiver, shown: Shown) -> float:
+def overlap_with(posed: Hypothesis, known: list[tuple[str, Posed]], perceiver: Perceiver, shown: Shown) -> float:
+    """The most by which the outline of a pose is that of an object of its type that is there."""
     surface = perceiver.models[posed.type].object_type.surface
-    answer = Posed(truth.obj_id, posed.camera_from_object)
-    return 0.0 if surface is None else overlap_of(answer, truth, surface.rays, shown.camera)
+    if surface is None:
+        return 0.0
+    truths = [truth for name, truth in known if name == posed.type]
+    answers = [Posed(truth.obj_id, posed.camera_from_object) for truth in truths]
+    pairs = zip(answers, truths, strict=True)
+    return max((overlap_of(answer, truth, surface.rays, shown.camera) for answer, truth in pairs), default=0.0)
 
 
 def main(kb_folder: str, dataset: Path, scenes: int | None) -> None:
     """Print it all."""
     perceiver = Perceiver(replace(kb_of(kb_folder), maybe=True), processes=processors())
-    known = model_names(dataset / "models") | ids_of([kind.name for kind in perceiver.kb.types], {})
-    numbers = {name: known[name] for name in perceiver.models if name in known}
+    numbers = numbers_of(perceiver.kb, dataset / "models")
     seeds = range(DEVELOPED, DEVELOPED + (scenes or 0))
     rendered = (stood.shown for stood in scenes_with(perceiver.kb, numbers, dataset, seeds))
     photos = rendered if scenes else photos_of(open_dataset(dataset))
@@ -212,9 +211,7 @@ def main(kb_folder: str, dataset: Path, scenes: int | None) -> None:
 
 
 if __name__ == "__main__":
-    parser = argparse.ArgumentParser(description=(__doc__ or "").partition("\n")[0])
-    parser.add_argument("kb", metavar="KB")
-    parser.add_argument("dataset", type=Path, metavar="DATASET")
+    parser = of_kb_and_dataset(__doc__)
     parser.add_argument("--scenes", type=int, metavar="N")
     asked = parser.parse_args()
     main(asked.kb, asked.dataset, asked.scenes)

@@ -7,7 +7,6 @@ calibration error of P(right) on them, then the same of poses beside the posed o
 (photos and objects drawn again). Last, ``pose_probability`` of what is accepted in DATASET's photos, of posed types.
 """
 
-import argparse
 from collections.abc import Iterator
 from dataclasses import replace
 from pathlib import Path
@@ -16,6 +15,8 @@ from typing import NamedTuple
 import numpy as np
 
 from benchmarks.photos.answers import photos_of
+from benchmarks.photos.knowledge import numbers_of
+from benchmarks.shared.arguments import of_kb_and_dataset
 from geometry.arrays import Floats
 from geometry.camera import Camera
 from geometry.frames import from_rotation_translation, transform_points, turn_about
@@ -23,7 +24,6 @@ from kb.clouds.cloud import ObjectType
 from plogic.cycle.delta import Options
 from plogic.match.learned.learned_models import LearnedIndex
 from plogic.run.bop.dataset import open_dataset
-from plogic.run.bop.models import ids_of, model_names
 from plogic.run.perceive import Perceiver
 from plogic.run.sources import kb_of
 from sensing.detectors.detector import detect
@@ -186,8 +186,7 @@ def main(kb_folder: str, dataset: Path, count: int) -> None:
     """Print it all."""
     perceiver = Perceiver(kb_of(kb_folder))
     types = {n: m for n, m in perceiver.models.items() if isinstance(m, LearnedIndex) and m.paint is not None}
-    known = model_names(dataset / "models") | ids_of([kind.name for kind in perceiver.kb.types], {})
-    numbers = {name: known[name] for name in types}
+    numbers = {name: number for name, number in numbers_of(perceiver.kb, dataset / "models").items() if name in types}
     camera = next(photos_of(open_dataset(dataset))).camera
     for name, some in (
         ("simulated, to calibrate", simulated(types, camera, count, seed=1)),
@@ -204,9 +203,7 @@ def main(kb_folder: str, dataset: Path, count: int) -> None:
 
 
 if __name__ == "__main__":
-    parser = argparse.ArgumentParser(description=(__doc__ or "").partition("\n")[0])
-    parser.add_argument("kb", metavar="KB")
-    parser.add_argument("dataset", type=Path, metavar="DATASET")
+    parser = of_kb_and_dataset(__doc__)
     parser.add_argument("--count", type=int, default=6, help="photos a type, and poses an object of DATASET")
     asked = parser.parse_args()
     main(asked.kb, asked.dataset, asked.count)

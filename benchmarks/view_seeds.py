@@ -9,7 +9,6 @@ search on the plane that the true poses of a photo speak for (``sensing.views.st
 what these suggest there, with what views tell counted so much (``plogic.match.learned.learned_pixels``, ``TOO``).
 """
 
-import argparse
 from collections.abc import Iterator
 from contextlib import ExitStack, contextmanager
 from dataclasses import replace
@@ -21,9 +20,11 @@ from types import ModuleType
 import numpy as np
 
 from benchmarks.photos.answers import Shown, photos_of
+from benchmarks.photos.knowledge import numbers_of
 from benchmarks.photos.planes import true_plane
 from benchmarks.photos.score import Posed
 from benchmarks.pixel_odds import paints_of
+from benchmarks.shared.arguments import of_kb_and_dataset
 from geometry.arrays import Floats
 from geometry.bodies.standing import Known
 from geometry.files.remembered import cache_folder
@@ -34,7 +35,6 @@ from plogic.match.learned import learned_pixels
 from plogic.match.learned.learned_pixels import Seen, by_odds
 from plogic.match.learned.learned_views import PROPOSED_ON, VIEWS
 from plogic.run.bop.dataset import open_dataset
-from plogic.run.bop.models import ids_of, model_names
 from plogic.run.perceive import Perceiver
 from plogic.run.sources import kb_of
 from sensing.pixels.photo import Photo
@@ -88,7 +88,7 @@ def main(kb_folder: str, dataset: Path) -> None:
     """Print it all."""
     kb, opened = kb_of(kb_folder), open_dataset(dataset)
     assert opened.models is not None  # noqa: S101 - it is a whole dataset
-    numbers = model_names(opened.models) | ids_of([kind.name for kind in kb.types], {})
+    numbers = numbers_of(kb, opened.models)
     kinds = {numbers[kind.name]: kind for kind in kb.types}
     perceiver = Perceiver(replace(kb, maybe=True))
     paints = {numbers[name]: paint for name, paint in paints_of(perceiver).items()}
@@ -149,8 +149,6 @@ def tell(said: str, rows: list[tuple[int, float]]) -> None:
 
 
 if __name__ == "__main__":
-    parser = argparse.ArgumentParser(description=(__doc__ or "").partition("\n")[0])
-    parser.add_argument("kb", metavar="KB")
-    parser.add_argument("dataset", type=Path, metavar="DATASET")
+    parser = of_kb_and_dataset(__doc__)
     asked = parser.parse_args()
     main(asked.kb, asked.dataset)

@@ -38,8 +38,7 @@ def known(
         if not folder.exists():
             _learn(folder, models, seed, say)
         kb = read_kb(folder)
-        numbers = model_names(models) | ids_of([kind.name for kind in kb.types], {})
-        named = {kind.name: numbers[kind.name] for kind in kb.types if kind.name in numbers}
+        named = numbers_of(kb, models)
         lacking = sorted(set(model_ids(models)) - set(named.values()))
         if lacking:
             raise InputError(
@@ -47,6 +46,12 @@ def known(
                 "in a folder that does not exist it is learned anew"
             )
         yield kb, named
+
+
+def numbers_of(kb: KnowledgeBase, models: Path) -> dict[str, int]:
+    """The BOP number of each type that a folder of models knows by its name, or that is named by its number."""
+    numbers = model_names(models) | ids_of([kind.name for kind in kb.types], {})
+    return {kind.name: numbers[kind.name] for kind in kb.types if kind.name in numbers}
 
 
 def _learn(folder: Path, models: Path, seed: int, say: Callable[[str], None]) -> None:

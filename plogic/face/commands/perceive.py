@@ -233,11 +233,6 @@ def _impossible(document: Interpretation) -> list[str]:
     ]
 
 
-def _lens(document: Interpretation) -> list[str]:
-    """Whether the accepted objects disagree with the camera's focal length."""
-    return [document["camera_doubt"]["why"]] if "camera_doubt" in document else []
-
-
 def _silence(document: Interpretation, gamma: Gamma, kb: KnowledgeBase) -> list[str]:
     """Why an answer is empty; nothing of one that is not, or that a deadline left so."""
     if stopped_in(document) or any(h["status"] != "rejected" for h in document["hypotheses"]):
@@ -318,9 +313,9 @@ def _looks(
             return looks, error
         looks.append((frame.name, look))
         say(_line(frame.name, look, panorama))
-        for line in _lens(look.interpretation):
-            if not any("camera_doubt" in earlier.interpretation for _, earlier in looks[:-1]):
-                say(f"{frame.name}: {line}")
+        doubt = look.interpretation.get("camera_doubt")
+        if doubt is not None and not any("camera_doubt" in earlier.interpretation for _, earlier in looks[:-1]):
+            say(f"{frame.name}: {doubt['why']}")
     return looks, None
 
 

@@ -8,7 +8,6 @@ import numpy as np
 import pytest
 from painted_cube import CAMERA, CORNER, cloud, paint, picture, pose_towards, seen, write_knowledge
 
-from geometry.camera import Camera
 from geometry.frames import pose_error
 from kb.clouds.learned import LearnedCloud
 from kb.files.read import read_kb
@@ -78,9 +77,7 @@ def test_it_is_found_in_a_picture_in_which_it_is_larger_than_any_that_it_was_lea
     """Here it is 290 and 720 pixels large, and was 160 at most."""
     truth = pose_towards(CORNER, 0.60)
     image = cv2.resize(picture([truth], seed=3), None, fx=larger, fy=larger, interpolation=cv2.INTER_CUBIC)
-    K = CAMERA.K * [[larger], [larger], [1.0]]
-    K[:2, 2] += 0.5 * (larger - 1)
-    (pose,) = found(perceiver, image, Camera(image.shape[1], image.shape[0], K))
+    (pose,) = found(perceiver, image, CAMERA.resized(image.shape[1], image.shape[0]))
     degrees, share = errors(pose, truth)
     assert degrees < 5.0
     assert share < 0.05
