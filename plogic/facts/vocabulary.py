@@ -4,9 +4,7 @@ Every predicate holds *in a world*: of hypotheses that are not present nothing i
 ``rank``, which speak of types. ``H`` is a hypothesis (``h1``), ``F`` a feature (``'roof/apex'``), ``A`` an appearance
 (``a1``); a *node* of the part-whole tree is a hypothesis, or ``H/P`` for a part or a feature of it.
 
-``Entry("present", 1, "the hypothesis H is in the world", "present(H)", "")``; an entry without a clause is defined by
-the choices.
-
+``Entry("present", 1, "the hypothesis H is in the world", "present(H)", "")``; without a clause the choices define it.
 ``SPACE`` is the part about space, defined over the facts that ``plogic.scene.text.fact_layers`` writes. It speaks of
 bodies, not of origins of meshes: docs/space.md has the definitions, the frames and the tolerances.
 """
@@ -128,9 +126,7 @@ SPACE: tuple[Entry, ...] = (
         "body_rests_on(X, ground) :- open_foot(X, _, _), present(X), \\+ higher_up(X).\n"
         "higher_up(X) :- open_foot(X, A, _), open_foot(Y, _, B), B < A, present(Y).",
     ),
-    Entry(
-        "held", 1, "X rests on something present, on a plane, or on the ground", "held(X)", "held(X) :- rests_on(X, _)."
-    ),
+    Entry("held", 1, "X rests on something present, a plane or the ground", "held(X)", "held(X) :- rests_on(X, _)."),
     Entry(
         "floats",
         1,
@@ -282,6 +278,20 @@ VOCABULARY: tuple[Entry, ...] = (
         "noise(A) :- datum(A, _), \\+ caused(A).\ncaused(A) :- cause(A, _, _).",
     ),
     Entry(
+        "why",
+        3,
+        "why F of the present H is not detected: it is `outside` the image, `turned_away`, `self_hidden`, `behind(G)`, or `missed` (case c);"
+        " or detected and not expected: its appearance is `caused_by(G/E)`, or `noise`",
+        "why(H, F, Cause)",
+        "why(H, F, outside) :- feature_of(H, F, _), \\+ in_image(H, F), present(H).\n"
+        "why(H, F, turned_away) :- case(H, F, b), \\+ in_lobe(H, F).\n"
+        "why(H, F, self_hidden) :- case(H, F, b), own_host_hides(H, F).\n"
+        "why(H, F, behind(G)) :- case(H, F, b), behind(H/F, G), G \\= H, opaque(G), \\+ rival(H, G).\n"
+        "why(H, F, missed) :- case(H, F, c).\n"
+        "why(H, F, caused_by(G/E)) :- case(H, F, d), match(H, F, A), cause(A, G, E).\n"
+        "why(H, F, noise) :- case(H, F, d), match(H, F, A), noise(A).",
+    ),
+    Entry(
         "behind",
         2,
         "the line of sight to Y meets X first; Y is a feature H/F, or an object all of whose self-visible features are",
@@ -327,8 +337,7 @@ VOCABULARY: tuple[Entry, ...] = (
     Entry(
         "surface_part",
         2,
-        "S is part of the surface of the present hypothesis H: `facet(H, Features)`, `face(H, Features)`, "
-        "or the surface of a part",
+        "S is part of the surface of the present H: `facet(H, Features)`, `face(H, Features)`, or the surface of a part",
         "surface_part(S, H)",
         "surface_part(S, H) :- bounds(S, H), S \\= surface(H), present(H).",
     ),
@@ -356,9 +365,7 @@ VOCABULARY: tuple[Entry, ...] = (
         "evidence_relation(R, X, Y) :- stands(S), said_relation(S, R, X, Y), present(X), present(Y).",
     ),
     Entry("dv", 2, "V is the distinctiveness of the feature type (§5.1)", "dv(Type, V)", ""),
-    Entry(
-        "drawn", 1, "a feature that is drawn from Σo is of the type: its probability is P(dv) (§5.1)", "drawn(Type)", ""
-    ),
+    Entry("drawn", 1, "a feature drawn from Σo is of the type: its probability is P(dv) (§5.1)", "drawn(Type)", ""),
     Entry("rank", 2, "V is the rank of the object type (§5.3)", "rank(Type, V)", ""),
     Entry(
         "ev",

@@ -23,7 +23,7 @@ QUICK = settings(max_examples=30, deadline=None, derandomize=True, suppress_heal
 GOALS = (
     "cause(A, H, F)", "noise(A)", "case(H, F, C)", "expected(H, F)", "detected(H, F)", "behind(Y, X)", "ev(H, V)", "dr(X, Y)",
     "occludes(X, Y)", "roc(R, X, Y)", "object(H, T)", "near(X, Y, D)", "feature(H, F, T)", "violated(X)", "explained(A)", "context(X, C)",
-    "number_of_objects(N)", "number_of(T, N)", "number_of_objects(2)", "number_of_objects(N), N > 1",
+    "number_of_objects(N)", "number_of(T, N)", "number_of_objects(2)", "number_of_objects(N), N > 1", "why(H, F, C)",
 )  # fmt: skip
 GIVEN = (
     (), ("present(h1)",), ("\\+ present(h1)",), ("noise(a0)",), ("\\+ noise(a1)",), ("case(h1, F, a)", "\\+ noise(a2)"), ("cause(a3, h1, F)",),

@@ -23,6 +23,7 @@ from typing import TYPE_CHECKING, Any
 from plogic.base.errors import LimitError, OutsideError
 from plogic.facts.dependence import Scene, dependence
 from plogic.facts.situation import Situation, names_of
+from plogic.facts.vocabulary import VOCABULARY
 from plogic.inference.gates import And, Formula, Literal, Not, Or
 from plogic.logic.safety.atoms import Names, own_atom, quoted
 from plogic.logic.safety.author import observes
@@ -226,7 +227,16 @@ def meaning(
     return _ground(Text(program, own=added_to(situation)), atoms, tuple(goals), tuple(given), limits or Limits())
 
 
-LOOKS, DATA = ("type_look",), ("datum", "noise")
+def _leading_to(fact: str) -> tuple[str, ...]:
+    """A fact, and the words of the vocabulary that are defined by it; each word's own stand before it in the table."""
+    words = [fact]
+    for entry in VOCABULARY:
+        if any(f"{word}(" in entry.clause for word in words):
+            words.append(entry.name)
+    return tuple(words)
+
+
+LOOKS, DATA = _leading_to("type_look"), _leading_to("datum")
 """Words without which nobody speaks of how features look, or of what is in Γ: nothing else is a consequence of it."""
 
 

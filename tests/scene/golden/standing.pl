@@ -248,6 +248,14 @@ cause(A, H, F) :- match(H, F, A), chosen(A, H/F), hitting(A, H, F).
 % noise(A): no feature of a present hypothesis causes appearance A.
 noise(A) :- datum(A, _), \+ caused(A).
 caused(A) :- cause(A, _, _).
+% why(H, F, Cause): why F of the present H is not detected: it is `outside` the image, `turned_away`, `self_hidden`, `behind(G)`, or `missed` (case c); or detected and not expected: its appearance is `caused_by(G/E)`, or `noise`.
+why(H, F, outside) :- feature_of(H, F, _), \+ in_image(H, F), present(H).
+why(H, F, turned_away) :- case(H, F, b), \+ in_lobe(H, F).
+why(H, F, self_hidden) :- case(H, F, b), own_host_hides(H, F).
+why(H, F, behind(G)) :- case(H, F, b), behind(H/F, G), G \= H, opaque(G), \+ rival(H, G).
+why(H, F, missed) :- case(H, F, c).
+why(H, F, caused_by(G/E)) :- case(H, F, d), match(H, F, A), cause(A, G, E).
+why(H, F, noise) :- case(H, F, d), match(H, F, A), noise(A).
 % behind(Y, X): the line of sight to Y meets X first; Y is a feature H/F, or an object all of whose self-visible features are.
 behind(H/F, G) :- behind_surface(H, F, G), present(H), present(G).
 behind(H, G) :- hypothesis(H, _), hypothesis(G, _), all_behind(H, G), present(H), present(G).
@@ -274,7 +282,7 @@ non_occludes(X, Y) :- outline_relation(non_occludes, X, Y), present(X), present(
 non_occludes(X, Y) :- part_relation(non_occludes, X, Y), node(X), node(Y).
 % surface_of(S, X): S is the surface `surface(X)` of X, a present hypothesis or a part of it that is an object (§4.2).
 surface_of(S, X) :- bounds(S, H), present(H), S = surface(X).
-% surface_part(S, H): S is part of the surface of the present hypothesis H: `facet(H, Features)`, `face(H, Features)`, or the surface of a part.
+% surface_part(S, H): S is part of the surface of the present H: `facet(H, Features)`, `face(H, Features)`, or the surface of a part.
 surface_part(S, H) :- bounds(S, H), S \= surface(H), present(H).
 % opaque(X): X is opaque: a hypothesis, its surface, or a part of either (A5, A6).
 opaque(H) :- opaque_surface(H).
@@ -325,7 +333,7 @@ body_rests_on(X, Y) :- body_rests(X, Y), Y \= ground, present(X), present(Y).
 body_rests_on(X, ground) :- body_rests(X, ground), present(X).
 body_rests_on(X, ground) :- open_foot(X, _, _), present(X), \+ higher_up(X).
 higher_up(X) :- open_foot(X, A, _), open_foot(Y, _, B), B < A, present(Y).
-% held(X): X rests on something present, on a plane, or on the ground.
+% held(X): X rests on something present, a plane or the ground.
 held(X) :- rests_on(X, _).
 % floats(X): gravity is said to hold, and nothing holds X.
 floats(X) :- weighs(X), present(X), \+ held(X).
