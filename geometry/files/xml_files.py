@@ -25,7 +25,7 @@ def root_of(text: str, kind: str) -> ET.Element:
     if entities := re.search("<!DOCTYPE|<!ENTITY", text):
         raise XMLMistakeError(f"defines entities, which no {kind} needs", text.count("\n", 0, entities.start()) + 1)
     try:
-        root = ET.fromstring(_DECLARATION.sub(_lines_of, text))  # noqa: S314 - no entities: see above
+        root = ET.fromstring(without_declaration(text))  # noqa: S314 - no entities: see above
     except ET.ParseError as error:
         raise XMLMistakeError(f"is no XML: {error}", error.position[0]) from None
     level, depth = [root], 0
@@ -36,6 +36,6 @@ def root_of(text: str, kind: str) -> ET.Element:
     return root
 
 
-def _lines_of(found: re.Match[str]) -> str:
-    """The ends of lines alone, so that lines keep their numbers."""
-    return "\n" * found[0].count("\n")
+def without_declaration(text: str) -> str:
+    """The text with blanks in the place of its declaration, so that lines and columns keep their numbers."""
+    return _DECLARATION.sub(lambda found: re.sub(r"[^\n]", " ", found[0]), text)

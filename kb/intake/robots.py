@@ -23,6 +23,7 @@ from geometry.frames import from_rotation_translation
 from kb.errors import IntakeError
 from kb.files.quantities import LARGEST
 from kb.intake.source import GREY, Piece, Source, copied, read_source
+from kb.intake.templates import unfilled
 
 Frame = NDArray[np.float64]
 
@@ -35,10 +36,12 @@ def read_xml(path: Path) -> Element:
     """The root element; what the declaration says is not asked, as pybullet's own files have version 0.0 there.
 
     Raises:
-        IntakeError: no file, too large, no XML, nested too deeply, or one that defines entities.
+        IntakeError: no file, too large, no XML, nested too deeply, one that defines entities, or a template.
     """
     must_be_plain(path, IntakeError, MAX_BYTES)
     text = content_of(path, MAX_BYTES, IntakeError).decode("utf-8-sig", errors="replace")
+    if mistake := unfilled(path, text):
+        raise IntakeError(mistake)
     try:
         return root_of(text, "robot description")
     except XMLMistakeError as error:

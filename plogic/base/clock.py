@@ -20,6 +20,10 @@ def unhurried() -> None:
     """The check of who has time for ever."""
 
 
+def unasked(_: str) -> None:
+    """What is told of the way of a search that nobody asks."""
+
+
 class Clock:
     """Counts from its making; ``seconds`` None is for ever."""
 
@@ -61,22 +65,32 @@ class Deadline:
 class Stopwatch:
     """Seconds by stage, in the order in which the stages first ran; a stage that runs again adds up.
 
-    ``now``: the stage that runs, '' between two.
+    ``now``: the stage that runs, '' between two; ``part``: how far it has come, where that is counted.
     """
 
     seconds: dict[str, float] = field(default_factory=dict)
     now: str = ""
+    part: str = ""
 
     @contextmanager
     def stage(self, name: str) -> Iterator[None]:
         """Add the time of the block to a stage."""
-        start, before = perf_counter(), self.now
-        self.now = name
+        start, before = perf_counter(), (self.now, self.part)
+        self.now, self.part = name, ""
         try:
             yield
         finally:
-            self.now = before
+            self.now, self.part = before
             self.seconds[name] = self.seconds.get(name, 0.0) + perf_counter() - start
+
+    def at(self, part: str) -> None:
+        """How far the stage that runs has come."""
+        self.part = part
+
+    @property
+    def here(self) -> str:
+        """The stage that runs and how far it has come: ``search, 3 of 8 types``."""
+        return ", ".join(filter(None, (self.now, self.part)))
 
     @property
     def total(self) -> float:

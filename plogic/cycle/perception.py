@@ -31,7 +31,20 @@ from plogic.cycle.judging import (
     set_aside,
     sure,
 )
-from plogic.cycle.state import Attention, Cycle, State, Step, Task, Trace, among, considered, free, step_of
+from plogic.cycle.state import (
+    JUDGING,
+    Attention,
+    Cycle,
+    State,
+    Step,
+    Task,
+    Trace,
+    among,
+    considered,
+    free,
+    of_types,
+    step_of,
+)
 from plogic.cycle.support import leaning, settled_down, standing
 from plogic.facts.caveats import UNWEIGHED
 from plogic.facts.hypothesis import Hypothesis
@@ -317,9 +330,11 @@ def matched(task: Task, state: State, wave: Mapping[str, Mask]) -> State:
             data = task.data.only(np.any([wave[name] for name in names], axis=0)) if names else task.data
             some = stack.enter_context(closing(search.propose(names, data, given)))
             proposals.update(dict.fromkeys(names, some))
-        for name in wave:
+        for number, name in enumerate(wave):
             task.deadline.check()
+            task.at(of_types(number, len(wave)))
             found += [hypothesis for _, hypothesis in next(proposals[name])]
+    task.at(JUDGING)
     state = replace(state, tried={**state.tried, **dict.fromkeys(wave, state.turns)})
     return state.proposes(found).tells(*(Step("deepen", why) for why in said))
 

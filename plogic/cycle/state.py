@@ -10,7 +10,7 @@ Vocabulary, each with an example value:
 * ``Cycle``: the outcome
 """
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from math import inf
@@ -20,7 +20,7 @@ import numpy as np
 
 from geometry.arrays import Mask
 from kb.clouds.cloud import KnowledgeBase
-from plogic.base.clock import Deadline
+from plogic.base.clock import Deadline, unasked
 from plogic.cycle.planes import Setting, Supported
 from plogic.facts.document import StepRow
 from plogic.facts.hypothesis import Hypothesis
@@ -90,13 +90,22 @@ class Heaviest:
             self.stable = stable
 
 
+JUDGING = "judging what was found"
+"""How far a search has come where it counts no types."""
+
+
+def of_types(number: int, total: int) -> str:
+    """How far a search has come: ``3 of 8 types``."""
+    return f"{number} of {total} type{'s' * (total != 1)}"
+
+
 @dataclass(frozen=True, eq=False)
 class Task:
     """What one run works on, the same in all its states.
 
     ``end``: a moment of ``time.monotonic`` at which a search stops, None for never; ``processes``: how many search,
-    this one and copies of it. ``heaviest`` and ``remembered`` are its memory: the answer if time were over now, and
-    what was reconsidered before, by the hypotheses that stood near it.
+    this one and copies of it; ``at`` is told how far it has come. ``heaviest`` and ``remembered`` are its memory: the
+    answer if time were over now, and what was reconsidered before, by the hypotheses that stood near it.
     """
 
     data: Data
@@ -105,6 +114,7 @@ class Task:
     dv: Mapping[str, float]
     end: float | None = None
     processes: int = 1
+    at: Callable[[str], None] = unasked
     heaviest: Heaviest = field(default_factory=Heaviest)
     remembered: dict[tuple[int, ...], tuple[tuple[Hypothesis, ...], Hypothesis]] = field(default_factory=dict)
 

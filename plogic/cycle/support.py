@@ -34,7 +34,7 @@ from plogic.cycle.planes import (
     supported,
     with_noise,
 )
-from plogic.cycle.state import Proposal, Stable, State, Task
+from plogic.cycle.state import JUDGING, Proposal, Stable, State, Task, of_types
 from plogic.facts.hypothesis import Hypothesis
 from plogic.match.gamma.data import Data
 from plogic.match.judged.type_models import Given
@@ -129,11 +129,15 @@ def standing(task: Task, state: State, left: Data, given: Given) -> tuple[list[H
 def _looked_for(task: Task, supports: Sequence[Known], left: Data, given: Given) -> list[Hypothesis]:
     """What is found on a plane, or on tops."""
     found: list[Hypothesis] = []
-    for _, search in task.searches:
+    for models, search in task.searches:
+        asked = sum(not given.count(name) for name in models)
+        task.at(f"on a plane, {of_types(0, asked)}")
         with closing(search.standing(supports, left, given)) as searches:
-            for rows in searches:
+            for number, rows in enumerate(searches, 1):
                 found += [posed for _, posed in rows]
                 task.request.check()
+                task.at(f"on a plane, {of_types(number, asked)}")
+    task.at(JUDGING)
     return found
 
 

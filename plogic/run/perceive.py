@@ -109,14 +109,18 @@ class Perceiver:
                 document = {**document, "camera_doubt": doubt}
             return marked(document, ranking, stopped) if stopped else document
 
-    def accepted(self, gamma: Gamma, image: NDArray[np.uint8] | None = None) -> list[tuple[Hypothesis, float]]:
+    def accepted(
+        self, gamma: Gamma, image: NDArray[np.uint8] | None = None, clock: Stopwatch | None = None
+    ) -> list[tuple[Hypothesis, float]]:
         """What is accepted of one Γ, with its probability.
 
         What the interpretation document says of it, where nobody reads the rest.
         """
-        data, cycle = self.cycle(gamma, Options(), Stopwatch(), image=image)
-        delta = delta_of(cycle, data, self.kb, self.dv, Options(), related=False)
-        delta, ranking = ranked(delta, cycle.trace.document())
+        clock = clock or Stopwatch()
+        data, cycle = self.cycle(gamma, Options(), clock, image=image)
+        with clock.stage("worlds"):
+            delta = delta_of(cycle, data, self.kb, self.dv, Options(), related=False)
+            delta, ranking = ranked(delta, cycle.trace.document())
         return [
             (belief, ranking.marginals[name]) for name, belief in delta.beliefs.items() if belief.status == "accepted"
         ]
@@ -153,7 +157,7 @@ class Perceiver:
         photo = None if image is None else Photo(image, gamma.camera)
         data = data_of(gamma.in_order().appearances, gamma.camera, self.width, photo)
         with clock.stage("search"), uncollected():
-            task = Task(data, self.kb, self.models, self.dv, options.end, self.processes)
+            task = Task(data, self.kb, self.models, self.dv, options.end, self.processes, clock.at)
             cycle = perceive(task, seeds=seeds, usual=usual)
         return data, cycle
 

@@ -206,6 +206,12 @@ def _of_robot(path: Path, folder: Path, units: str | None) -> NewType:
     """One type of one description, its meshes merged in the zero pose. URDF and SDF are in metres."""
     readers = {".urdf": urdf_visuals, ".sdf": sdf_visuals, ".world": sdf_visuals}
     reader = readers.get(path.suffix.lower())
+    if reader is None and path.suffix.lower() == ".xacro":
+        to = path.with_suffix("" if path.with_suffix("").suffix else ".urdf")
+        command = f"xacro {quote(str(path))} > {quote(str(to))}"
+        raise InputError(
+            f"{path}: is a template of a description: run xacro first, and import what it writes: {command}"
+        )
     if reader is None:
         raise InputError(
             f"{path}: is neither a .urdf nor an .sdf, nor a BOP models folder; a mesh comes with: plogic kb add NAME --mesh {quote(str(path))}"

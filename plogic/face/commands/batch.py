@@ -2,24 +2,25 @@
 
 import json
 import os
-from collections.abc import Iterable, Sequence
-from contextlib import closing, suppress
+from collections.abc import Callable, Iterable, Sequence
+from contextlib import ExitStack, closing, suppress
 from pathlib import Path
 from shlex import quote
 from time import monotonic
 
 from geometry.errors import WhichCameraError
 from geometry.printable import on_one_line, visible
+from plogic.base.alarm import TICK, alarmed
 from plogic.base.children import ending_well
 from plogic.base.errors import ReaderGoneError
 from plogic.face.shown.options import Batching
 from plogic.face.shown.printed import say
-from plogic.face.shown.progress import Progress, bar, duration
+from plogic.face.shown.progress import SELDOM, WIDTH, Progress, Say, bar, beating, duration, so_far
 from plogic.run.batch.frame_lines import ERROR, UNFINISHED, doubt_in, is_empty, is_noted
 from plogic.run.batch.frames import Frame, Settings, checked, frames_of
 from plogic.run.batch.frames_run import Engine, Waiting, run, waiting_beside
 from plogic.run.batch.log import Log, check_out, check_same, left_over, log_at
-from plogic.run.batch.pool import Pool
+from plogic.run.batch.pool import AtWork, Pool
 from plogic.run.batch.work import check_cameras
 from plogic.run.cameras import GivenCamera, read_given
 
@@ -45,15 +46,14 @@ def batch_command(inputs: Sequence[str], settings: Settings, options: Batching, 
     _check_camera(settings.camera)
     frames = frames_of(inputs, listed, options.every)
     check_cameras(frames, settings.camera)
-    with ending_well():
-        engine = _engine(settings, options)
-        try:
+    with ending_well(), ExitStack() as stack:
+        with beating(lambda: f"reading {settings.kb}") as above:
+            engine = _engine(settings, options, above(say))
+            stack.callback(engine.close)
             engine.start(len(frames))
             kb = engine.kb()
-            with log_at(out) as log, closing(Waiting(beside)) as waiting:
-                return _run(frames, engine, log, waiting, settings, kb, out, in_order=options.order == "input")
-        finally:
-            engine.close()
+        with log_at(out) as log, closing(Waiting(beside)) as waiting:
+            return _run(frames, engine, log, waiting, settings, kb, out, in_order=options.order == "input")
 
 
 def _check_camera(given: GivenCamera) -> None:
@@ -64,7 +64,7 @@ def _check_camera(given: GivenCamera) -> None:
             read_given(given.file, SOME_SIZE)
 
 
-def _engine(settings: Settings, options: Batching) -> Engine:
+def _engine(settings: Settings, options: Batching, say: Say) -> Engine:
     if options.dask is not None:
         from plogic.run.batch.dask import Cluster
 
@@ -90,7 +90,7 @@ def _run(
     count = {status: sum(line.status == status for line in log.written) for status in (ERROR, UNFINISHED)}
     count[NOTED] = 0
     before = {(line.input, line.frame) for line in (*log.written, *waiting.written)}
-    progress = Frames(len(frames), len(frames) - len(before))
+    progress = Frames(len(frames), len(frames) - len(before), engine.at_work)
     empty, doubted = list[Frame](), list[Frame]()
 
     def write(frame: Frame, status: str, line: bytes) -> None:
@@ -108,7 +108,8 @@ def _run(
             progress.step(bad=status == ERROR)
 
     try:
-        run(left, engine, write, waiting, in_order=in_order)
+        with alarmed(progress.tick, TICK, TICK):
+            run(left, engine, write, waiting, in_order=in_order)
     except ReaderGoneError:
         progress.end()
         raise
@@ -154,10 +155,14 @@ EVERY = 0.2
 
 
 class Frames:
-    """Of ``left`` frames of ``total``, on standard error; what stood there before is not counted in the speed."""
+    """Of ``left`` frames of ``total``, on standard error; what stood there before is not counted in the speed.
 
-    def __init__(self, total: int, left: int) -> None:
+    ``at_work``: the frames that somebody is at; the slowest is named once it takes long.
+    """
+
+    def __init__(self, total: int, left: int, at_work: Callable[[], Sequence[AtWork]] = tuple) -> None:
         self._total, self._left, self._done, self._bad = total, left, 0, 0
+        self._at_work = at_work
         self._start = self._told = monotonic()
         self._progress = Progress()
 
@@ -166,23 +171,40 @@ class Frames:
         self._done += 1
         self._bad += bad
         now = monotonic()
-        if not self._progress.terminal:
-            self._progress.at(self.text(now))
-        elif now - self._told >= EVERY:
+        if not self._progress.terminal or now - self._told >= EVERY:
             self._told = now
-            self._progress.at(f"{bar(self._total - self._left + self._done, self._total)} {self.text(now)}")
+            done, text = self._total - self._left + self._done, self.text(now)
+            self._progress.at(f"{bar(done, self._total)} {text}" if self._progress.terminal else text)
+
+    def tick(self) -> None:
+        """Some time has gone by: name the frame that somebody has been at for longest, where that is long.
+
+        Without a bar, which would leave no room for the rest.
+        """
+        at_work, now = self._at_work(), monotonic()
+        slowest = min(at_work, key=lambda some: some.since, default=None)
+        if slowest is not None and now - slowest.since >= SELDOM:
+            number = f", {len(at_work)} at work" * (len(at_work) > 1)
+            name = slowest.frame.name
+            if self._progress.terminal and len(name) > WIDTH:
+                name = f"...{name[3 - WIDTH :]}"
+            stage = f": {slowest.stage}" * bool(slowest.stage)
+            with suppress(RuntimeError):  # a line is being written
+                self._progress.at(so_far(f"{self.text(now)}{number}; {name}{stage}", now - slowest.since))
 
     def say(self, line: str) -> None:
         """A line that stays, above the bar."""
-        self.end()
-        say(line)
+        self._progress.above(say)(line)
 
     def end(self) -> None:
         """Take the bar away."""
         self._progress.end()
 
     def text(self, now: float) -> str:
-        """``120 of 1000 frames, 1 bad, about 2 min left``."""
-        seconds = (now - self._start) / self._done * (self._left - self._done)
+        """``120 of 1000 frames, 1 bad, about 2 min left``; how long is known once one is done."""
         bad = f", {self._bad} bad" if self._bad else ""
-        return f"{self._total - self._left + self._done} of {self._total} frames{bad}, about {duration(seconds)} left"
+        told = f"{self._total - self._left + self._done} of {self._total} frames{bad}"
+        if not self._done:
+            return told
+        seconds = (now - self._start) / self._done * (self._left - self._done)
+        return f"{told}, about {duration(seconds)} left"

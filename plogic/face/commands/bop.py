@@ -2,14 +2,17 @@
 
 import json
 from collections.abc import Callable
+from contextlib import AbstractContextManager
 from pathlib import Path
 from typing import Any
 
 from kb.clouds.cloud import KnowledgeBase
 from kb.files.folder import parts_of
+from plogic.base.clock import Stopwatch
 from plogic.base.errors import InputError
 from plogic.face.shown.options import Scoring
 from plogic.face.shown.printed import written
+from plogic.face.shown.progress import beating
 from plogic.face.shown.tables import plain_table
 from plogic.run.bop.dataset import Dataset, open_dataset
 from plogic.run.bop.models import ids_of, model_ids, model_names, read_ids, read_models, unknown
@@ -44,13 +47,21 @@ def bop_command(
         raise InputError("-o -: the results and --json cannot both be on stdout")
     if out != "-":
         check_places([Path(out)], parts_of(kb_folder))
-    dataset = open_dataset(folder)
-    kb = kb_of(kb_folder)
-    ids = _ids(kb, options.ids, dataset, say)
-    done = run(dataset, look or look_of(kb), ids, say, timed=options.timed)
+    clock = Stopwatch()
+    with beating(lambda: f"reading {folder} and {kb_folder}") as above:
+        dataset = open_dataset(folder)
+        kb = kb_of(kb_folder)
+        ids = _ids(kb, options.ids, dataset, above(say))
+        look = look or look_of(kb, clock)
+
+    def during(name: str) -> AbstractContextManager[object]:
+        return beating(lambda: f"{name}: {clock.here or 'perceiving'}")
+
+    done = run(dataset, look, ids, say, timed=options.timed, during=during)
     if not done.cameras:
         raise InputError("\n".join([f"{folder}: none of its {done.frames} images could be perceived", *done.wrong[:3]]))
-    scores, why = _scored(dataset, done, say)
+    with beating(lambda: "scoring") as above:
+        scores, why = _scored(dataset, done, above(say))
     written(results_text(done.estimates), out, say=say, write=write)
     if out == "-":
         say(_text(scores, why))
@@ -58,8 +69,8 @@ def bop_command(
     return json.dumps(_document(out, done, scores, why), indent=1) if options.as_json else _text(scores, why)
 
 
-def look_of(kb: KnowledgeBase) -> Look:
-    """The KB's own perceiver: what it accepts, scored by its probability.
+def look_of(kb: KnowledgeBase, clock: Stopwatch | None = None) -> Look:
+    """The KB's own perceiver: what it accepts, scored by its probability; ``clock`` tells what it is at.
 
     Raises InputError where no detector reports a type of the KB.
     """
@@ -67,10 +78,12 @@ def look_of(kb: KnowledgeBase) -> Look:
         raise InputError(
             f"{kb.name}: no detector reports any of its appearance types ({', '.join(kb.appearance_types[:8])})"
         )
-    perceiver = perceiver_of(kb)
+    perceiver, watch = perceiver_of(kb), clock or Stopwatch()
 
     def look(image: Any, camera: Any) -> list[tuple[str, Any, float]]:  # noqa: ANN401 - arrays
-        accepted = perceiver.accepted(detect(image, camera, kb.sought, kb.words), image)
+        with watch.stage("detect"):
+            gamma = detect(image, camera, kb.sought, kb.words)
+        accepted = perceiver.accepted(gamma, image, watch)
         return [(h.object_type.name, h.camera_from_object, probability) for h, probability in accepted]
 
     return look

@@ -71,7 +71,7 @@ def perceive_command(inputs: Sequence[str], options: Perceiving, *, say: Say, wr
     if not options.out and not sys.stdout.isatty():
         options = replace(options, out="-")
     clock = Stopwatch()
-    with beating(lambda: clock.now or ("asking why" if "document" in clock.seconds else "perceiving")) as above:
+    with beating(lambda: clock.here or ("asking why" if "document" in clock.seconds else "perceiving")) as above:
         say, write = above(say), above(write)
         if options.stereo is not None:
             return _of_pair(inputs, options, options.stereo, clock, say, write)

@@ -6,14 +6,14 @@
 * ``with beating(lambda: "search")``: what nothing is counted of
 """
 
-import signal
 import sys
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager, suppress
-from threading import Event, RLock, Thread, current_thread, main_thread
+from threading import Event, RLock, Thread
 from time import monotonic
 from typing import Self
 
+from plogic.base.alarm import TICK, alarmed
 from plogic.face.shown.printed import over, say
 
 SELDOM = 10.0
@@ -30,9 +30,12 @@ class Progress:
         """The clock runs from now on."""
         self.terminal = sys.stderr.isatty()
         self._told = monotonic()
+        self._held = False
 
     def at(self, text: str) -> None:
         """Tell it, on a terminal at once, else if the last line is long ago."""
+        if self._held:
+            return
         if self.terminal:
             over(text)
         elif monotonic() - self._told >= SELDOM:
@@ -44,11 +47,22 @@ class Progress:
         if self.terminal:
             over("")
 
+    def above(self, say: Say) -> Say:
+        """What writes lines that stay above it, made of what writes lines: no alarm puts it back between the two."""
+
+        def told(line: str) -> None:
+            self._held = True
+            try:
+                self.end()
+                say(line)
+            finally:
+                self._held = False
+
+        return told
+
 
 LEAST = 0.5
 """Seconds: what is told as 0 s left, and still goes on, takes longer than expected."""
-TICK = 1.0
-"""Seconds between two looks at the clock."""
 
 
 class Work:
@@ -120,36 +134,28 @@ class Work:
 def beating(what: Callable[[], str]) -> Iterator[Callable[[Say], Say]]:
     """While the block runs, tell ``what`` it is at, and for how long it has run: ``search; 20 s so far``.
 
-    Gives what makes of a function that writes lines one that writes them above that.
-
-    By the process's own alarm, not by a thread: the block may make copies of its process. Not beside another alarm, nor
-    in a thread of somebody's program.
+    Gives what makes of a function that writes lines one that writes them above that. What is done within ten seconds
+    tells nothing.
     """
-    if current_thread() is not main_thread() or signal.getsignal(signal.SIGALRM) is not signal.SIG_DFL:
-        yield lambda say: say
-        return
-    progress, start = Progress(), monotonic()
+    progress, start, told = Progress(), monotonic(), False
 
-    def tell(*_: object) -> None:
+    def tell() -> None:
+        nonlocal told
+        told = True
         with suppress(RuntimeError):  # the line before is being written
-            progress.at(f"{what()}; {duration(monotonic() - start)} so far")
-
-    signal.signal(signal.SIGALRM, tell)
-    signal.setitimer(signal.ITIMER_REAL, SELDOM, TICK)
-
-    def above(say: Say) -> Say:
-        def told(line: str) -> None:
-            progress.end()
-            say(line)
-
-        return told
+            progress.at(so_far(what(), monotonic() - start))
 
     try:
-        yield above
+        with alarmed(tell, SELDOM, TICK):
+            yield progress.above
     finally:
-        signal.setitimer(signal.ITIMER_REAL, 0.0)
-        signal.signal(signal.SIGALRM, signal.SIG_DFL)
-        progress.end()
+        if told:
+            progress.end()
+
+
+def so_far(what: str, seconds: float) -> str:
+    """``search, 3 of 8 types; 20 s so far``."""
+    return f"{what}; {duration(seconds)} so far"
 
 
 WIDTH = 30

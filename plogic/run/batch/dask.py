@@ -20,7 +20,7 @@ from plogic.base.errors import InputError
 from plogic.run.batch.dask_worker import Told
 from plogic.run.batch.frame_lines import Lines
 from plogic.run.batch.frames import Settings
-from plogic.run.batch.pool import Answer, Job
+from plogic.run.batch.pool import Answer, AtWork, Job
 
 CONNECTING = 10.0
 """Seconds that a scheduler has to answer in, whatever it is asked."""
@@ -148,6 +148,7 @@ class Cluster:
         self._done: SimpleQueue[str] = SimpleQueue()
         self._call = _call()
         self._lines: Lines | None = None
+        self._jobs: dict[str, tuple[Job, Any, float]] = {}
 
     def start(self, number: int) -> None:
         """As of a pool; here whoever gets the first frame starts."""
@@ -168,16 +169,19 @@ class Cluster:
         """As of a pool. Raises InputError also where the cluster is lost, or its workers read different KBs."""
         self.kb()
         threads = self._connection.wait()
-        jobs: dict[str, tuple[Job, Any]] = {}
         while True:
-            while len(jobs) < AHEAD * threads and (job := take()) is not None:
+            while len(self._jobs) < AHEAD * threads and (job := take()) is not None:
                 future = self._submit(job)
-                jobs[future.key] = job, future
-            if not jobs:
+                self._jobs[future.key] = job, future, monotonic()
+            if not self._jobs:
                 return
-            job, future = jobs.pop(self._next())
+            job, future, _ = self._jobs.pop(self._next())
             yield self._answer(job, future)
             threads = self._connection.threads() or threads if self._connection.due() else threads
+
+    def at_work(self) -> list[AtWork]:
+        """The frames that the cluster has, since it has them; what it is at nobody tells."""
+        return [AtWork(job.frame, since) for job, _, since in list(self._jobs.values())]
 
     def close(self) -> None:
         """End our processes on the workers, as far as they can be reached, and the connection."""

@@ -32,11 +32,26 @@ class Job(NamedTuple):
     again: bool = False
 
 
+class AtWork(NamedTuple):
+    """A frame that somebody has been at work on ``since`` a moment (monotonic).
+
+    ``stage``: what that one is at, '' where nobody tells.
+    """
+
+    frame: Frame
+    since: float
+    stage: str = ""
+
+
+AT = "at"
+"""What a worker's line begins with that tells the stage which it is at, where others have a frame's status."""
+
+
 class Process:
     """One worker.
 
     ``job``: what it is at work on; ``kb``: name and digest of what it has read; ``since``: when it could begin
-    (monotonic).
+    (monotonic); ``stage``: what it said last that it is at.
     """
 
     def __init__(self, settings: Settings, folder: str) -> None:
@@ -44,7 +59,7 @@ class Process:
         self._pieces: list[bytes] = []
         self.job: Job | None = None
         self.kb: dict[str, str] | None = None
-        self.since = monotonic()
+        self.since, self.stage = monotonic(), ""
         self._tell(asdict(settings))
 
     def fileno(self) -> int:
@@ -53,7 +68,7 @@ class Process:
 
     def send(self, job: Job) -> None:
         """A frame to do; where the process is dead already, that will be read."""
-        self.job, self.since = job, monotonic()
+        self.job, self.since, self.stage = job, monotonic(), ""
         self._tell(astuple(job.frame))
 
     def read(self) -> list[bytes] | None:
@@ -145,6 +160,10 @@ class Pool:
             turn = monotonic()
             yield from self._late()
 
+    def at_work(self) -> list[AtWork]:
+        """The frames that workers are at; may be asked while ``answers`` waits."""
+        return [AtWork(w.job.frame, w.since, w.stage) for w in list(self._workers) if w.job is not None]
+
     def close(self) -> None:
         """Kill all workers; there will be no others, whoever is still waiting for answers."""
         self._jobs = 0
@@ -188,10 +207,12 @@ class Pool:
             if lines is None:
                 yield from self._dead(worker)
             for line in lines or ():
+                status, _, text = line.partition(b" ")
                 if worker.kb is None:
                     self._ready(worker, line)
+                elif status == AT.encode():
+                    worker.stage = text.decode()
                 else:
-                    status, _, text = line.partition(b" ")
                     yield Answer(worker.answered(), status.decode(), text + b"\n")
 
     def _ready(self, worker: Process, line: bytes) -> None:

@@ -40,11 +40,11 @@ class Worker:
         self.perceiver = perceiver_of(kb_of(settings.kb), processes=1)
         self.lines = Lines(settings, {"name": self.perceiver.kb.name, "digest": self.perceiver.kb.digest})
 
-    def __call__(self, frame: Frame) -> tuple[str, bytes]:
-        """Status and line of one frame; raises nothing."""
+    def __call__(self, frame: Frame, clock: Stopwatch | None = None) -> tuple[str, bytes]:
+        """Status and line of one frame; raises nothing. ``clock`` tells meanwhile what it is at."""
         sha256 = self._digest(frame)
         try:
-            document, notes = self._document(frame, sha256)
+            document, notes = self._document(frame, sha256, clock or Stopwatch())
             return self.lines.perceived(frame, document, sha256, notes)
         except PlogicError as error:
             what = str(error)
@@ -61,10 +61,11 @@ class Worker:
     def _digest(self, frame: Frame) -> str | None:
         return digest_of(frame, self.settings.camera)
 
-    def _document(self, frame: Frame, sha256: str | None) -> tuple[Interpretation, tuple[str, ...]]:
+    def _document(self, frame: Frame, sha256: str | None, clock: Stopwatch) -> tuple[Interpretation, tuple[str, ...]]:
         """The interpretation, and what is to be noted of the camera."""
-        clock, chosen = Stopwatch(), self.settings
-        shot = shot_for(frame, chosen.camera)
+        chosen = self.settings
+        with clock.stage("read"):
+            shot = shot_for(frame, chosen.camera)
         gamma, image = gamma_of(frame.input, shot, self.perceiver.kb, clock)
         if self._digest(frame) != sha256:
             raise InputError(CHANGED)

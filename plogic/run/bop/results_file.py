@@ -8,6 +8,7 @@ Its name by the challenge's convention is METHOD_DATASET-SPLIT.csv; none is dema
 """
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
+from contextlib import AbstractContextManager, nullcontext
 from dataclasses import dataclass
 from time import perf_counter
 from typing import Any
@@ -72,10 +73,18 @@ class Run:
     frames: int
 
 
-def run(dataset: Dataset, look: Look, ids: Mapping[str, int], say: Say, *, timed: bool = False) -> Run:
+def run(
+    dataset: Dataset,
+    look: Look,
+    ids: Mapping[str, int],
+    say: Say,
+    *,
+    timed: bool = False,
+    during: Callable[[str], AbstractContextManager[object]] = nullcontext,
+) -> Run:
     """Look at every frame that is wanted; ``timed``: with the seconds of each, else -1.
 
-    A bad frame is a line, never a stop.
+    A bad frame is a line, never a stop. Each is looked at within what ``during`` makes of its name.
     """
     names, wrong = dataset.listed()
     for line in wrong:
@@ -85,7 +94,8 @@ def run(dataset: Dataset, look: Look, ids: Mapping[str, int], say: Say, *, timed
     for i, (scene_id, im_id) in enumerate(names, 1):
         here = f"{i}/{len(names)} scene {scene_id}, image {im_id}"
         try:
-            camera, found, seconds = _looked(dataset, scene_id, im_id, look)
+            with during(here):
+                camera, found, seconds = _looked(dataset, scene_id, im_id, look)
         except PlogicError as error:
             wrong.append(f"{here}: {' '.join(str(error).split())}")
         except Exception as error:  # noqa: BLE001 - no frame may stop the others

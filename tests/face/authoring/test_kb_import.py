@@ -192,6 +192,69 @@ def test_a_bad_urdf_writes_nothing(tmp_path, folder, case):
     assert said in line
 
 
+SHAPE = '<link name="a">\n  <visual>{}</visual>\n</link>'
+BOX = '<geometry><box size="1 1 1"/></geometry>'
+FILLED = " is for xacro or roslaunch to fill in: "
+BY_PACKAGE = f"{FILLED}write package://my_arm in its place, for no absolute path, as they would write, is read"
+BY_XACRO = f"{FILLED}run xacro first, and import what it writes: xacro arm.urdf > arm_filled.urdf"
+TEMPLATES = {
+    "find": (
+        '<geometry><mesh filename="$(find my_arm)/base.stl"/></geometry>',
+        f"3:37: $(find my_arm){BY_PACKAGE}",
+    ),
+    "file and find": (
+        '<geometry><mesh filename="file://$(find my_arm)/base.stl"/></geometry>',
+        f"3:37: file://$(find my_arm){BY_PACKAGE}",
+    ),
+    "optenv": (
+        f'<!-- $(env A) -->\n<origin\n xyz="0 0 $(optenv HEIGHT 0.1)"/>{BOX}',
+        f"5:11: $(optenv HEIGHT 0.1){BY_XACRO}",
+    ),
+    "expression": (
+        '<origin xyz="0 0 0"/><geometry><box size="1 ${2 * w} 1"/></geometry>',
+        f"3:55: ${{2 * w}}{BY_XACRO}",
+    ),
+    "macro": (f'{BOX}<xacro:wheel side="left"/>', f"3:51: <xacro:wheel>{BY_XACRO}"),
+}
+
+
+@pytest.mark.parametrize("case", TEMPLATES)
+def test_a_template_is_told_where_it_is_one_and_what_to_do(tmp_path, folder, case):
+    visual, said = TEMPLATES[case]
+    text = f'<?xml version="1.0"?><robot name="ü">\n{SHAPE.format(visual)}\n</robot>'
+    (tmp_path / "arm.urdf").write_text(text, encoding="utf-8")
+    done = plogic("kb", "import", "arm.urdf", "--kb", folder, cwd=tmp_path)
+    assert (done.returncode, done.stdout, done.stderr) == (1, "", f"plogic: arm.urdf:{said}\n")
+
+
+def test_a_template_of_sdf_has_its_substitution_in_a_text(tmp_path, folder):
+    (tmp_path / "thing.sdf").write_text(SDF.replace("model://thing", "file://$(find thing)"))
+    line = refused(folder, tmp_path / "thing.sdf")
+    assert (
+        f"thing.sdf:2:{SDF.splitlines()[1].index('model://') + 1}: file://$(find thing){FILLED}write package://thing in"
+        in line
+    )
+
+
+def test_a_xacro_file_is_sent_to_xacro(tmp_path, folder):
+    (tmp_path / "arm.urdf.xacro").write_text("<robot/>")
+    done = plogic("kb", "import", "arm.urdf.xacro", "--kb", folder, cwd=tmp_path)
+    assert done.stderr == (
+        "plogic: arm.urdf.xacro: is a template of a description: run xacro first, and import what it writes: "
+        "xacro arm.urdf.xacro > arm.urdf\n"
+    )
+
+
+def test_what_is_not_read_may_stay_a_template(tmp_path, folder):
+    unread = '<collision><geometry><mesh filename="$(find a)/b.stl"/></geometry></collision>'
+    plugin = "<gazebo><plugin><uri>$(find a)/c.yaml</uri></plugin></gazebo><!-- <xacro:arm/> -->"
+    link = f'<link name="${{side}}_arm">{unread}<visual>{BOX}</visual></link>'
+    (tmp_path / "arm.urdf").write_text(f'<robot name="r">{link}{plugin}</robot>')
+    good("kb", "import", tmp_path / "arm.urdf", "--kb", folder)
+    (arm,) = read_kb(folder).types
+    assert arm.surface.volume == pytest.approx(1.0)
+
+
 def test_a_mesh_is_sent_to_kb_add(tmp_path, folder):
     assert "plogic kb add NAME --mesh" in refused(folder, write_box(tmp_path / "box.obj"))
     assert "there is no such file or folder" in refused(folder, tmp_path / "gone")

@@ -84,6 +84,27 @@ def test_the_time_left_is_what_the_speed_makes_of_the_rest(monkeypatch):
     assert work.text(1000.0) == "words of all types; the last phase, whose time is not known"
 
 
+def test_no_alarm_draws_between_the_end_of_the_line_and_a_line_that_stays(monkeypatch):
+    monkeypatch.setattr(sys, "stderr", stream := Terminal())
+    told = progress.Progress()
+    told.at("search")
+
+    def interrupted(line):
+        told.at("an alarm that comes now")
+        stream.write(f"{line}\n")
+
+    told.above(interrupted)("a line that stays")
+    told.at("search again")
+    assert stream.getvalue() == "\rsearch\033[K\r\033[Ka line that stays\n\rsearch again\033[K"
+
+
+def test_what_is_soon_done_tells_nothing_on_a_terminal_either(monkeypatch):
+    monkeypatch.setattr(sys, "stderr", stream := Terminal())
+    with progress.beating(lambda: "search"):
+        pass
+    assert stream.getvalue() == ""
+
+
 @pytest.mark.usefixtures("quick")
 def test_what_nothing_is_counted_of_is_told_by_the_alarm(monkeypatch):
     """A search is told without a terminal too; afterwards the alarm is off, and nobody's own is taken."""

@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import json
+import os
+import re
 from pathlib import Path
 
 import pytest
@@ -75,6 +77,33 @@ def test_two_processes_write_the_same_bytes_for_a_list_on_stdin(frames, alone):
     run = plogic("batch", "-", "--kb", KB, "--jobs", 2, "--full", cwd=frames, stdin=listed)
     assert run.returncode == 1
     assert run.stdout.encode() == alone[1].read_bytes()
+
+
+OFTEN = """\
+import plogic.base.alarm as alarm
+alarm.TICK = 0.001
+import plogic.face.shown.progress as progress
+progress.SELDOM = 0.0
+"""
+"""Read by Python as it starts, in the workers as well: every frame takes long, and is told of at once."""
+
+
+@pytest.mark.parametrize("jobs", [1, 2])
+def test_frames_that_take_long_are_named_with_what_is_done_to_them_and_the_answer_is_the_same(
+    frames, alone, tmp_path, jobs
+):
+    (tmp_path / "sitecustomize.py").write_text(OFTEN)
+    path = os.pathsep.join([str(tmp_path), *filter(None, [os.environ.get("PYTHONPATH")])])
+    run = plogic(
+        "batch", "frames", "--kb", KB, "--jobs", jobs, "--full", cwd=frames, PYTHONPATH=path, PYTHONHASHSEED="0"
+    )
+    assert run.stdout.encode() == alone[1].read_bytes()
+    told = [line for line in run.stderr.splitlines() if line.endswith(" s so far")]
+    stage = re.compile(r"\d of 8 frames(, \d bad)?(, about \d+ s left)?(, 2 at work)?; frames/\S+: \w+.*; \d+ s so far")
+    assert any(map(stage.fullmatch, told)), run.stderr
+    said = [line for line in run.stderr.splitlines() if " of 8 frames" not in line and not line.startswith("reading ")]
+    assert said[:-1] == alone[0].stderr.splitlines()[:-1]
+    assert "\r" not in run.stderr
 
 
 def test_as_they_are_done_it_is_the_same_set_in_short(frames, alone):

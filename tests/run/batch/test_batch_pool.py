@@ -10,7 +10,7 @@ import pytest
 
 from plogic.run.batch import pool
 from plogic.run.batch.frames import Frame, Settings
-from plogic.run.batch.pool import Job, Pool
+from plogic.run.batch.pool import AtWork, Job, Pool
 
 KB = b'{"kb": {"name": "towers", "digest": "d"}}'
 
@@ -51,9 +51,11 @@ class Worker:
 
     def send(self, job):
         """Answered at once, or never."""
-        self.job, self.since = job, self.clock()
+        self.job, self.since, self.stage = job, self.clock(), ""
         if job.frame.input != "hangs":
-            os.write(self.into, b"done {}\n")
+            os.write(self.into, b"at search\ndone {}\n")
+        else:
+            os.write(self.into, b"at search, 3 of 8 types\n")
 
     def read(self):
         """What it said."""
@@ -122,3 +124,14 @@ def test_the_patience_is_bounded(clock):
 def test_a_huge_timeout_is_no_error(clock):
     assert [answer.status for answer in answers("a", 1, 1e300)] == ["done"]
     assert clock.now == 0.0
+
+
+def test_what_workers_are_at_is_known_and_is_no_answer(clock):
+    made, left = Pool(Settings("towers"), "/", 2, 5.0), [Job(i, Frame(n, None, "lost")) for i, n in enumerate("ab")]
+    hangs = Job(2, Frame("hangs", None, "lost"))
+    left.append(hangs)
+    answers = made.answers(lambda: left.pop() if left else None)
+    seen = [(answer.number, made.at_work()) for answer in answers]
+    assert [number for number, _ in seen] == [1, 0, 2]
+    assert seen[0][1] == [AtWork(hangs.frame, 0.0, "search, 3 of 8 types")]
+    assert seen[-1][1] == []

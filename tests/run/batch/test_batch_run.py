@@ -19,7 +19,7 @@ from plogic.run.batch import frames_run as run
 from plogic.run.batch.frame_lines import Lines as Made
 from plogic.run.batch.frames import Frame, Settings
 from plogic.run.batch.frames_run import Waiting
-from plogic.run.batch.pool import Answer
+from plogic.run.batch.pool import Answer, AtWork
 
 
 class Shuffled:
@@ -162,6 +162,59 @@ def test_without_a_terminal_a_line_comes_now_and_then(monkeypatch):
     assert sys.stderr.getvalue().count("\n") == 2, "one after ten seconds, one ten seconds after that"
     assert sys.stderr.getvalue().startswith("2 of 10 frames, about ")
     assert "\r" not in sys.stderr.getvalue()
+
+
+def slow_ones(*since):
+    """Frames that are at work since these moments."""
+    return [
+        AtWork(Frame("/photos/of/a/folder/whose/name/is/long/lmo", f"000002/00009{i}", "bop"), when, stage)
+        for i, (when, stage) in enumerate(since)
+    ]
+
+
+def test_the_frame_that_takes_longest_is_named_without_a_terminal(monkeypatch):
+    now = [0.0]
+    for module in (progress, lines):
+        monkeypatch.setattr(module, "monotonic", lambda: now[0])
+    monkeypatch.setattr(sys, "stderr", StringIO())
+    working = []
+    told = Frames(3, 3, lambda: working)
+    for second in range(1, 31):
+        now[0] = float(second)
+        working[:] = slow_ones((5.0, "search, 3 of 8 types"), (4.0, "search, 1 of 8 types"))
+        told.tick()
+    working.pop()
+    told.step(bad=False)
+    now[0] = 41.0
+    told.tick()
+    name = "/photos/of/a/folder/whose/name/is/long/lmo 000002/00009"
+    assert sys.stderr.getvalue().splitlines() == [
+        f"0 of 3 frames, 2 at work; {name}1: search, 1 of 8 types; 10 s so far",
+        f"0 of 3 frames, 2 at work; {name}1: search, 1 of 8 types; 20 s so far",
+        f"1 of 3 frames, about 82 s left; {name}0: search, 3 of 8 types; 36 s so far",
+    ]
+
+
+def test_what_is_soon_done_is_not_named(monkeypatch):
+    now = [0.0]
+    for module in (progress, lines):
+        monkeypatch.setattr(module, "monotonic", lambda: now[0])
+    monkeypatch.setattr(sys, "stderr", StringIO())
+    told = Frames(300, 300, lambda: slow_ones((now[0] - 9.5, "search")))
+    for second in range(100):
+        now[0] = float(second)
+        told.tick()
+    assert sys.stderr.getvalue() == ""
+
+
+def test_on_a_terminal_a_long_name_leaves_room_for_the_stage(monkeypatch):
+    monkeypatch.setenv("COLUMNS", "100")
+    monkeypatch.setattr(sys, "stderr", stream := Terminal())
+    told = Frames(3, 3, lambda: slow_ones((0.0, "search, 3 of 8 types")))
+    monkeypatch.setattr(progress, "monotonic", lambda: 12.0)
+    told.tick()
+    name = "...e/is/long/lmo 000002/000090"
+    assert stream.getvalue() == f"\r0 of 3 frames; {name}: search, 3 of 8 types; 12 s so far\033[K"
 
 
 def test_the_estimate_is_what_the_speed_of_this_run_makes_of_the_rest(monkeypatch):

@@ -1,7 +1,11 @@
 """``plogic bop``: the loop over frames, names to numbers, the CSV, the scores."""
 
+import io
 import json
 import re
+import sys
+from pathlib import Path
+from time import monotonic, sleep
 
 import numpy as np
 import pytest
@@ -9,16 +13,22 @@ from bop_folders import dataset, put, truth
 from click.testing import CliRunner
 from results_reader import read_results
 
+from plogic.base.clock import Stopwatch
 from plogic.base.errors import InputError, ProgramError
-from plogic.face.commands.bop import bop_command
+from plogic.face.commands import bop as bop_module
+from plogic.face.commands.bop import bop_command, look_of
 from plogic.face.commands.clicked import bop
+from plogic.face.shown import progress
 from plogic.face.shown.options import Scoring
 from plogic.run.bop.dataset import open_dataset
 from plogic.run.bop.models import ids_of, read_ids, unknown
 from plogic.run.bop.recalls import views_of
 from plogic.run.bop.results_file import HEADER, run
+from plogic.run.sources import kb_of
+from sensing.files.gamma_files import read_gamma
 
 IDS = {"t1": 1, "t2": 2}
+FIRST = Path(__file__).parents[3] / "examples" / "first_gamma.json"
 OPTIONS = {"ids": None, "timed": False, "as_json": False}
 
 
@@ -71,6 +81,52 @@ def test_times_are_one_an_image(folder):
     done = run(open_dataset(folder), perfect, IDS, lambda _: None, timed=True)
     assert [e.time for e in done.estimates[::2]] == [e.time for e in done.estimates[1::2]]
     assert all(e.time >= 0 for e in done.estimates)
+
+
+def test_an_image_that_takes_long_is_named_and_nothing_else_changes(folder, tmp_path, monkeypatch):
+    soon = command(folder, tmp_path / "soon.csv", as_json=True)
+    monkeypatch.setattr(progress, "SELDOM", 0.01)
+    monkeypatch.setattr(progress, "TICK", 0.01)
+    monkeypatch.setattr(sys, "stderr", stream := io.StringIO())
+
+    def slow(image, camera):
+        before, end = stream.getvalue().count("so far"), monotonic() + 10.0
+        while stream.getvalue().count("so far") == before and monotonic() < end:
+            sleep(0.005)
+        return perfect(image, camera)
+
+    late = command(folder, tmp_path / "late.csv", look=slow, as_json=True)
+    told = stream.getvalue().splitlines()
+    for name in ("1/2 scene 1, image 0", "2/2 scene 1, image 4"):
+        assert f"{name}: perceiving; 0 s so far" in told
+    assert late[0] == soon[0].replace("soon.csv", "late.csv")
+    assert late[1][:-1] == soon[1][:-1]
+    assert (tmp_path / "late.csv").read_bytes() == (tmp_path / "soon.csv").read_bytes()
+
+
+def test_images_that_are_soon_done_tell_nothing_new(folder, tmp_path, monkeypatch):
+    monkeypatch.setattr(sys, "stderr", stream := io.StringIO())
+    command(folder, tmp_path / "out.csv")
+    assert stream.getvalue() == ""
+
+
+class Told(Stopwatch):
+    """Keeps what it was at."""
+
+    def at(self, part):
+        """As of a stopwatch."""
+        super().at(part)
+        self.seconds[self.here] = 0.0
+
+
+def test_the_perceiver_of_the_knowledge_base_tells_its_stages_and_counts_types(monkeypatch):
+    clock, gamma = Told(), read_gamma(str(FIRST))
+    monkeypatch.setattr(bop_module, "detectable", lambda _: True)
+    monkeypatch.setattr(bop_module, "detect", lambda *_: gamma)
+    assert look_of(kb_of("first"), clock)(None, gamma.camera)
+    assert {"detect", "search", "worlds"} <= clock.seconds.keys()
+    assert "search, 0 of 1 type" in clock.seconds
+    assert clock.here == ""
 
 
 def bad_program(image, camera):
