@@ -48,6 +48,7 @@ from plogic.logic.safety.allowlist import (
 )
 from plogic.logic.safety.check import Source, heads, is_directive, parse, together, with_place
 from plogic.logic.safety.closest import closest
+from plogic.logic.safety.collecting import guard
 from plogic.logic.safety.slips import DECLARED
 
 FOLDER = problog.root_path("problog", "library")
@@ -118,6 +119,7 @@ class SafeEngine(DefaultEngine):  # type: ignore[misc]
                 self._override(signature, BooleanBuiltIn(_silent))
             elif signature not in GOALS | LOADERS:
                 self._override(signature, partial(_refused, signature))
+        guard(self)
         self._override("subquery/5", SimpleBuiltIn(_subquery))
         self._override("subquery_in_scope/6", SimpleBuiltIn(_subquery_in_scope))
 
@@ -152,6 +154,7 @@ def engine_for(*, trust: bool = False, folder: str = ".") -> tuple[Any, Any]:
         engine = SafeEngine()
         return engine, SafeDB(builtins=engine.get_builtins())
     engine = DefaultEngine()
+    guard(engine)
     db = ClauseDB(builtins=engine.get_builtins())
     db.source_root = folder
     return engine, db
