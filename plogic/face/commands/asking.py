@@ -193,34 +193,52 @@ def _told(
 
 
 def query_command(
-    source: str, goal: str | None, given: Sequence[str], options: Asking, *, as_json: bool
+    source: str, goal: str | None, given: Sequence[str], options: Asking, *, as_json: bool, more: Sequence[str] = ()
 ) -> tuple[str, int]:
-    """P(goal) of an interpretation or a program.
+    """P(goal) of an interpretation or a program, and of ``more`` goals: tables one after another, or JSON Lines.
 
     Exit 3 where the deadline was reached, answers then being intervals.
     """
-    asked, clock = _opened(source, options, [goal, *given]), Clock(options.deadline)
-    found = asked.query(goal, given=given, rules=options.rules, deadline=options.deadline)
-    document: rows.Answers = {
-        "format": "answers/1",
-        "answers": [
+    asked, clock = _opened(source, options, [goal, *more, *given]), Clock(options.deadline)
+    answered: tuple[Answers, ...]
+    if goal is None or not more:
+        answered = (asked.query(goal, given=given, rules=options.rules, deadline=options.deadline),)
+    else:
+        answered = asked.query_all([goal, *more], given=given, rules=options.rules, deadline=options.deadline)
+    told = []
+    for found in answered:
+        answers: list[rows.AnswerRow] = [
             {"goal": a.goal, "probability": a.probability, "interval": list(a.interval)} for a in found.answers
-        ],
-    }
+        ]
+        document: rows.Answers = {"format": "answers/1", "answers": answers}
+        if more and found.goal is not None:
+            document = {"format": "answers/1", "asked": found.goal, "answers": answers}
 
-    def text() -> str:
-        from plogic.face.shown import tables
+        def text(document: rows.Answers = document, found: Answers = found) -> str:
+            said = [] if found.answers else [_none(source, asked, goal)]
+            return _answers_text(document, said, asked, goal and found.goal, options, clock)
 
-        table = tables.text_of_table(tables.answers(document))
-        if not found.complete or any(a.interval[1] > 0 for a in found.answers):
-            return table
-        said = [] if found.answers else [_none(source, asked, goal)]
-        if goal is not None:
-            limits = replace(asked.limits, seconds=max(0.0, min(asked.limits.seconds, clock.left())))
-            said += unknown_names(asked.beside(options.rules), goal, limits=limits)
-        return "\n".join([table.rstrip(), "", *said, ""]) if said else table
+        told.append(_told(document, found, text, WITHIN if found.answers else NOTHING, as_json=as_json))
+    return ("\n" if as_json else "\n\n").join(shown.rstrip() if more else shown for shown, _ in told), max(
+        status for _, status in told
+    )
 
-    return _told(document, found, text, WITHIN if found.answers else NOTHING, as_json=as_json)
+
+def _answers_text(
+    document: rows.Answers, said: list[str], asked: Asked, goal: str | None, options: Asking, clock: Clock
+) -> str:
+    """The table; where nothing is possible what is ``said``, and unknown names, as far as the clock lets us look."""
+    from plogic.face.shown import tables
+
+    table = tables.text_of_table(tables.answers(document))
+    if "asked" in document:
+        table = table.replace("answers", f"answers to {' '.join(document['asked'].split())}", 1)
+    if document.get("deadline") or any(a["interval"][1] > 0 for a in document["answers"]):
+        return table
+    if goal is not None:
+        limits = replace(asked.limits, seconds=max(0.0, min(asked.limits.seconds, clock.left())))
+        said += unknown_names(asked.beside(options.rules), goal, limits=limits)
+    return "\n".join([table.rstrip(), "", *said, ""]) if said else table
 
 
 def _none(source: str, asked: Asked, goal: str | None) -> str:
