@@ -24,7 +24,7 @@ from plogic.facts.situation import Reading
 from plogic.facts.spatial import exclusion_lines, exclusions
 from plogic.logic.safety.allowlist import TRUSTED
 from plogic.logic.safety.atoms import quoted
-from plogic.logic.safety.notes import notes
+from plogic.logic.safety.notes import notes, notes_on_goals
 from plogic.logic.served.engine import TOO_DEEP, ProgramRanking
 from plogic.run.sources import is_program, program_text_of
 from plogic.scene import document as rows
@@ -73,16 +73,19 @@ def worlds_command(
     return _of_graph(asked, found, ranking, number, as_json=as_json)
 
 
-def _opened(source: str, options: Asking, asked: Sequence[str | None]) -> Asked:
-    """What the file holds; of a plain program and of rules it is said what they surely do not mean (``notes``)."""
+def _opened(source: str, options: Asking, given: Sequence[str], asked: Sequence[str | None] = ()) -> Asked:
+    """What the file holds; of a plain program, rules and goals it is said what they surely do not mean (``notes``)."""
     found = opened(source, options.reading, trust=options.trust, withhold=options.withhold)
-    goals = [goal for goal in asked if goal is not None]
+    called = [f"goal {i}" if len(asked) > 1 else "goal" for i in range(1, len(asked) + 1)]
+    named = {name: goal for name, goal in zip(called, asked, strict=True) if goal is not None}
+    named |= {f"given {i}" if len(given) > 1 else "given": goal for i, goal in enumerate(given, 1)}
+    goals = list(named.values())
     if options.trust and isinstance(found, Program):
         say(TRUSTED)
     lines = notes(found.text, found.file, goals) if isinstance(found, Program) else []
     if options.rules is not None and options.rules != "-":
         lines += notes(program_text_of(options.rules), options.rules, goals, added=True)
-    for line in lines:
+    for line in (*lines, *notes_on_goals(named)):
         say(line)
     return found
 
@@ -199,7 +202,7 @@ def query_command(
 
     Exit 3 where the deadline was reached, answers then being intervals.
     """
-    asked, clock = _opened(source, options, [goal, *more, *given]), Clock(options.deadline)
+    asked, clock = _opened(source, options, given, [goal, *more]), Clock(options.deadline)
     answered: tuple[Answers, ...]
     if goal is None or not more:
         answered = (asked.query(goal, given=given, rules=options.rules, deadline=options.deadline),)
@@ -256,7 +259,7 @@ def explain_command(
 
     With a ``number`` of None the presence of an interpretation's hypothesis is summed up over its features instead.
     """
-    asked = _opened(source, options, [goal, *given])
+    asked = _opened(source, options, given, [goal])
     try:
         found = asked.explain(
             goal, given=given, rules=options.rules, n=EXPLANATIONS if number is None and as_json else number
