@@ -166,7 +166,7 @@ def worlds(source: str, number: int, given: tuple[str, ...], as_json: bool, **op
 
 @cli.command()
 @SOURCE
-@click.argument("goal", required=False)
+@click.argument("goals", metavar="[GOAL]...", nargs=-1)
 @GIVEN
 @RULES
 @WITHHOLD
@@ -175,11 +175,12 @@ def worlds(source: str, number: int, given: tuple[str, ...], as_json: bool, **op
 @TRUST
 @DIGITS
 @AS_JSON
-def query(source: str, goal: str | None, given: tuple[str, ...], as_json: bool, **options: Any) -> None:
-    """Give P(goal) with every answer substitution, most probable first; without a goal, the program's own queries."""
+def query(source: str, goals: tuple[str, ...], given: tuple[str, ...], as_json: bool, **options: Any) -> None:
+    """Give P(goal) with every answer substitution, most probable first; of several in order; of none, the program's."""
     from plogic.face.commands.asking import query_command
 
-    text, status = query_command(source, goal, given, Asking(**options), as_json=as_json)
+    goal = goals[0] if goals else None
+    text, status = query_command(source, goal, given, Asking(**options), as_json=as_json, more=goals[1:])
     emit(text)
     sys.exit(status)
 

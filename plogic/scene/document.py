@@ -22,9 +22,10 @@ class LateKey(TypedDict):
 
 
 class Answers(Marks, LateKey):
-    """The document ``answers/1``, most probable first."""
+    """The document ``answers/1``, most probable first; of several goals one a line, in their order."""
 
     format: Literal["answers/1"]
+    asked: NotRequired[Annotated[str, "The goal, where several were asked."]]
     answers: Annotated[list[AnswerRow], "Every answer, most probable first."]
 
 

@@ -24,7 +24,7 @@ from plogic.facts.situation import Reading
 from plogic.facts.spatial import exclusion_lines, exclusions
 from plogic.logic.safety.allowlist import TRUSTED
 from plogic.logic.safety.atoms import quoted
-from plogic.logic.safety.notes import notes
+from plogic.logic.safety.notes import notes, notes_on_goals
 from plogic.logic.served.engine import TOO_DEEP, ProgramRanking
 from plogic.run.sources import is_program, program_text_of
 from plogic.scene import document as rows
@@ -73,16 +73,19 @@ def worlds_command(
     return _of_graph(asked, found, ranking, number, as_json=as_json)
 
 
-def _opened(source: str, options: Asking, asked: Sequence[str | None]) -> Asked:
-    """What the file holds; of a plain program and of rules it is said what they surely do not mean (``notes``)."""
+def _opened(source: str, options: Asking, given: Sequence[str], asked: Sequence[str | None] = ()) -> Asked:
+    """What the file holds; of a plain program, rules and goals it is said what they surely do not mean (``notes``)."""
     found = opened(source, options.reading, trust=options.trust, withhold=options.withhold)
-    goals = [goal for goal in asked if goal is not None]
+    called = [f"goal {i}" if len(asked) > 1 else "goal" for i in range(1, len(asked) + 1)]
+    named = {name: goal for name, goal in zip(called, asked, strict=True) if goal is not None}
+    named |= {f"given {i}" if len(given) > 1 else "given": goal for i, goal in enumerate(given, 1)}
+    goals = list(named.values())
     if options.trust and isinstance(found, Program):
         say(TRUSTED)
     lines = notes(found.text, found.file, goals) if isinstance(found, Program) else []
     if options.rules is not None and options.rules != "-":
         lines += notes(program_text_of(options.rules), options.rules, goals, added=True)
-    for line in lines:
+    for line in (*lines, *notes_on_goals(named)):
         say(line)
     return found
 
@@ -193,34 +196,52 @@ def _told(
 
 
 def query_command(
-    source: str, goal: str | None, given: Sequence[str], options: Asking, *, as_json: bool
+    source: str, goal: str | None, given: Sequence[str], options: Asking, *, as_json: bool, more: Sequence[str] = ()
 ) -> tuple[str, int]:
-    """P(goal) of an interpretation or a program.
+    """P(goal) of an interpretation or a program, and of ``more`` goals: tables one after another, or JSON Lines.
 
     Exit 3 where the deadline was reached, answers then being intervals.
     """
-    asked, clock = _opened(source, options, [goal, *given]), Clock(options.deadline)
-    found = asked.query(goal, given=given, rules=options.rules, deadline=options.deadline)
-    document: rows.Answers = {
-        "format": "answers/1",
-        "answers": [
+    asked, clock = _opened(source, options, given, [goal, *more]), Clock(options.deadline)
+    answered: tuple[Answers, ...]
+    if goal is None or not more:
+        answered = (asked.query(goal, given=given, rules=options.rules, deadline=options.deadline),)
+    else:
+        answered = asked.query_all([goal, *more], given=given, rules=options.rules, deadline=options.deadline)
+    told = []
+    for found in answered:
+        answers: list[rows.AnswerRow] = [
             {"goal": a.goal, "probability": a.probability, "interval": list(a.interval)} for a in found.answers
-        ],
-    }
+        ]
+        document: rows.Answers = {"format": "answers/1", "answers": answers}
+        if more and found.goal is not None:
+            document = {"format": "answers/1", "asked": found.goal, "answers": answers}
 
-    def text() -> str:
-        from plogic.face.shown import tables
+        def text(document: rows.Answers = document, found: Answers = found) -> str:
+            said = [] if found.answers else [_none(source, asked, goal)]
+            return _answers_text(document, said, asked, goal and found.goal, options, clock)
 
-        table = tables.text_of_table(tables.answers(document))
-        if not found.complete or any(a.interval[1] > 0 for a in found.answers):
-            return table
-        said = [] if found.answers else [_none(source, asked, goal)]
-        if goal is not None:
-            limits = replace(asked.limits, seconds=max(0.0, min(asked.limits.seconds, clock.left())))
-            said += unknown_names(asked.beside(options.rules), goal, limits=limits)
-        return "\n".join([table.rstrip(), "", *said, ""]) if said else table
+        told.append(_told(document, found, text, WITHIN if found.answers else NOTHING, as_json=as_json))
+    return ("\n" if as_json else "\n\n").join(shown.rstrip() if more else shown for shown, _ in told), max(
+        status for _, status in told
+    )
 
-    return _told(document, found, text, WITHIN if found.answers else NOTHING, as_json=as_json)
+
+def _answers_text(
+    document: rows.Answers, said: list[str], asked: Asked, goal: str | None, options: Asking, clock: Clock
+) -> str:
+    """The table; where nothing is possible what is ``said``, and unknown names, as far as the clock lets us look."""
+    from plogic.face.shown import tables
+
+    table = tables.text_of_table(tables.answers(document))
+    if "asked" in document:
+        table = table.replace("answers", f"answers to {' '.join(document['asked'].split())}", 1)
+    if document.get("deadline") or any(a["interval"][1] > 0 for a in document["answers"]):
+        return table
+    if goal is not None:
+        limits = replace(asked.limits, seconds=max(0.0, min(asked.limits.seconds, clock.left())))
+        said += unknown_names(asked.beside(options.rules), goal, limits=limits)
+    return "\n".join([table.rstrip(), "", *said, ""]) if said else table
 
 
 def _none(source: str, asked: Asked, goal: str | None) -> str:
@@ -238,7 +259,7 @@ def explain_command(
 
     With a ``number`` of None the presence of an interpretation's hypothesis is summed up over its features instead.
     """
-    asked = _opened(source, options, [goal, *given])
+    asked = _opened(source, options, given, [goal])
     try:
         found = asked.explain(
             goal, given=given, rules=options.rules, n=EXPLANATIONS if number is None and as_json else number

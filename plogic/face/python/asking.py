@@ -18,7 +18,7 @@ from plogic.facts.situation import Reading, Stopped
 from plogic.logic.served.engine import TOO_DEEP, Limits, Text
 from plogic.run.sources import is_program, program_text_of, stdin_text
 from plogic.scene.asking.explanations import Account, Reason, explain, present
-from plogic.scene.asking.query import Subject, answers, answers_until, stopped_of
+from plogic.scene.asking.query import Subject, answers, answers_to_all, answers_to_all_until, answers_until, stopped_of
 from plogic.scene.readings.unfinished import with_notice
 
 EXPLANATIONS = 5
@@ -81,6 +81,39 @@ class Asked:
         else:
             found, exact = answers_until(subject, goal, seconds=deadline, given=evidence, limits=self.limits)
         return Answers(goal, tuple(found), stopped_of(subject), exact)
+
+    def query_all(
+        self,
+        goals: Sequence[str],
+        *,
+        given: str | Sequence[str] = (),
+        rules: str | Path | None = None,
+        deadline: float | None = None,
+    ) -> tuple[Answers, ...]:
+        """Return the answers to each of several goals, in their order, as ``query`` gives them; ground in one run.
+
+        Args:
+            goals: what ``query`` takes, one by one.
+            given: literals that are observed.
+            rules: a file of rules of one's own.
+            deadline: seconds for all of them together; an Answers is complete where all are.
+
+        Raises:
+            Error: as ``query``; a mistake in a goal says in which: ``goal 2``.
+        """
+        goals, evidence, end = texts("goals", goals), texts("given", given), seconds("deadline", deadline)
+        asked: Asked = self
+        for goal in goals:
+            asked = asked.about(goal)
+        subject, exact = asked.beside(rules), True
+        if not goals:
+            return ()
+        if end is None:
+            found = answers_to_all(subject, goals, given=evidence, limits=self.limits)
+        else:
+            found, exact = answers_to_all_until(subject, goals, seconds=end, given=evidence, limits=self.limits)
+        stopped = stopped_of(subject)
+        return tuple(Answers(goal, tuple(some), stopped, exact) for goal, some in zip(goals, found, strict=True))
 
     def worlds(
         self,

@@ -30,6 +30,8 @@ from plogic.logic.safety.rows import SHORT_TEXT
 MENDED = (NonGroundError, NegativeCycleError, UnknownPredicateError)
 """Mistakes that may stand where the evidence rules a clause out."""
 EVIDENCE = frozenset({"evidence/1", "evidence/2"})
+COLLECTING = frozenset({"findall/3", "all/3", "all_or_none/3"})
+"""What only their first two arguments name is theirs alone."""
 
 
 @dataclass(frozen=True)
@@ -156,11 +158,13 @@ def line_of(request: Request, term: Any) -> int | None:  # noqa: ANN401 - a term
 
 
 def variables(goal: Any) -> list[str]:  # noqa: ANN401 - terms of ProbLog's
-    """The named variables outside negations, in the order in which they appear."""
+    """The named variables outside negations, and outside of what is collected, in the order in which they appear."""
     if isinstance(goal, Var):
         return [] if goal.name.startswith("_") else [goal.name]
     if isinstance(goal, (Not, Constant)) or not isinstance(goal, Term) or goal.signature in ("not/1", "forall/2"):
         return []
+    if goal.signature in COLLECTING:
+        return variables(goal.args[2])
     return list(dict.fromkeys(name for argument in goal.args for name in variables(argument)))
 
 

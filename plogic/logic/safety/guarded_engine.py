@@ -20,7 +20,7 @@ from typing import Any, NoReturn
 import problog
 from problog.clausedb import ClauseDB
 from problog.engine import DefaultEngine, NonGroundProbabilisticClause, UnknownClause
-from problog.engine_builtin import IndirectCallCycleError, _builtin_subquery, _builtin_subquery_in_scope
+from problog.engine_builtin import CallModeError, IndirectCallCycleError, _builtin_subquery, _builtin_subquery_in_scope
 from problog.engine_stack import BooleanBuiltIn, SimpleBuiltIn
 from problog.errors import GroundingError, InconsistentEvidenceError, NonGroundQuery, ProbLogError
 from problog.eval_nodes import NegativeCycle
@@ -48,6 +48,8 @@ from plogic.logic.safety.allowlist import (
 )
 from plogic.logic.safety.check import Source, heads, is_directive, parse, together, with_place
 from plogic.logic.safety.closest import closest
+from plogic.logic.safety.collecting import guard
+from plogic.logic.safety.open_negations import computed_early
 from plogic.logic.safety.slips import DECLARED
 
 FOLDER = problog.root_path("problog", "library")
@@ -118,6 +120,7 @@ class SafeEngine(DefaultEngine):  # type: ignore[misc]
                 self._override(signature, BooleanBuiltIn(_silent))
             elif signature not in GOALS | LOADERS:
                 self._override(signature, partial(_refused, signature))
+        guard(self)
         self._override("subquery/5", SimpleBuiltIn(_subquery))
         self._override("subquery_in_scope/6", SimpleBuiltIn(_subquery_in_scope))
 
@@ -152,6 +155,7 @@ def engine_for(*, trust: bool = False, folder: str = ".") -> tuple[Any, Any]:
         engine = SafeEngine()
         return engine, SafeDB(builtins=engine.get_builtins())
     engine = DefaultEngine()
+    guard(engine)
     db = ClauseDB(builtins=engine.get_builtins())
     db.source_root = folder
     return engine, db
@@ -258,10 +262,9 @@ def goals_under(goal: Any, under: frozenset[str], outer: Any) -> Iterator[tuple[
 
 
 def _written(literal: Any) -> str:  # noqa: ANN401 - a term of ProbLog's
-    if not isinstance(literal, Not):
-        return str(literal)
-    inner = literal.args[0]
-    return f"{literal.functor} ({inner})" if isinstance(inner, (And, Or)) else f"{literal.functor} {inner}"
+    inner = literal.args[0] if isinstance(literal, Not) else None
+    shown = f"({inner})" if isinstance(inner, (And, Or)) else inner
+    return str(literal) if inner is None else f"{literal.functor} {shown}"
 
 
 ERROR_KINDS: tuple[tuple[type[ProbLogError], type[ProgramError]], ...] = (
@@ -330,7 +333,8 @@ def _reason(error: ProbLogError, place: dict[str, Any], texts: list[dict[str, st
         return _kept_open(_sources(texts), place)
     if isinstance(error, NonGroundQuery):
         return "the goal keeps a variable that nothing binds"
-    return _one_line(error.base_message)
+    early = computed_early(_sources(texts), place) if isinstance(error, CallModeError) else ""
+    return early or _one_line(error.base_message)
 
 
 def _defined(texts: list[dict[str, str]]) -> frozenset[str]:

@@ -4,7 +4,7 @@ Each kind of note has a look at the text, which needs no ProbLog, and then one a
 """
 
 import re
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 
 from plogic.logic.safety.author import load_problog
 from plogic.logic.safety.closest import meant
@@ -12,7 +12,7 @@ from plogic.logic.safety.rows import is_quick
 
 _CONSTRAINTS = re.compile(r"(?m)^[ \t]*+:-|constraint")
 _GROWS = re.compile(r":-[^.]*?(?:\bis\b|\(\s*+\w++\()")
-_NEGATION_FIRST = re.compile(r"(?:\\\+|\\=|\bnot\b|\bforall\b)[^.]*?,\s*+[a-z(]")
+_NEGATED_VARIABLE = re.compile(r"(?:\\\+|\\=|\bnot\b|\bforall\b)[^.]*?\b[A-Z_]")
 _OBSERVED = re.compile(r"\bevidence\([^.]*?,")
 _NAME = re.compile(r"\b[a-z]\w*+(?=\()")
 
@@ -37,6 +37,17 @@ def notes(text: str, file: str, goals: Sequence[str] = (), *, added: bool = Fals
     return found[:MOST] + more
 
 
+def notes_on_goals(goals: Mapping[str, str]) -> list[str]:
+    """A line on each negation of goals and evidence that is asked too early: what each is called → its text."""
+    some = {name: text for name, text in goals.items() if _NEGATED_VARIABLE.search(text)}
+    if not some:
+        return []
+    load_problog()
+    from plogic.logic.safety.open_negations import goals_too_early
+
+    return goals_too_early(some)
+
+
 def _found(wanted: frozenset[str], text: str, file: str, goals: Sequence[str]) -> list[str]:
     """The notes of the kinds that are ``wanted``."""
     from plogic.logic.safety.added import idle
@@ -55,7 +66,7 @@ def _wanted(text: str, *, added: bool) -> frozenset[str]:
     may = {
         "idle": not added and _CONSTRAINTS.search(text),
         "endless": _GROWS.search(text),
-        "early": _NEGATION_FIRST.search(text),
+        "early": _NEGATED_VARIABLE.search(text),
         "unasked": _OBSERVED.search(text) or any(map(meant, set(_NAME.findall(text)))),
     }
     return frozenset(kind for kind, found in may.items() if found)

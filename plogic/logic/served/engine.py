@@ -212,11 +212,11 @@ def ask(request: dict[str, Any], limits: Limits) -> dict[str, Any]:
         if "error" in reply:
             _raise(reply["error"], limits)
     except errors.NonGroundError as error:
-        if not any("findall(" in goal for goal in request["goals"]):
+        more = _kept(request["goals"])
+        if not more:
             raise
-        named = "write it as a rule, n(N) :- findall(...), ..., in the program or --rules FILE, and ask n(N)"
         raise errors.NonGroundError(
-            f"{error.reason}: {named}", file=error.file, line=error.line, column=error.column
+            f"{error.reason}{more}", file=error.file, line=error.line, column=error.column
         ) from None
     except LimitError as error:
         from plogic.logic.safety.author import load_problog
@@ -230,6 +230,18 @@ def ask(request: dict[str, Any], limits: Limits) -> dict[str, Any]:
             raise
         raise LimitError("; ".join([str(error), *filter(None, hints)])) from None
     return reply
+
+
+def _kept(goals: Sequence[str]) -> str:
+    """What else can be said where one of these goals keeps a variable open."""
+    if any("findall(" in goal for goal in goals):
+        return ": write it as a rule, n(N) :- findall(...), ..., in the program or --rules FILE, and ask n(N)"
+    from plogic.logic.safety.author import load_problog
+
+    load_problog()
+    from plogic.logic.safety.open_negations import half_bound
+
+    return next(filter(None, map(half_bound, goals)), "")
 
 
 def _trusted(request: dict[str, Any], limits: Limits) -> dict[str, Any]:

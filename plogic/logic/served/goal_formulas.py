@@ -16,8 +16,10 @@ from plogic.logic.answers.answer import grouped
 from plogic.logic.grounding.ground_program import Alternative, Ground
 from plogic.logic.grounding.indexed_clauses import UnsupportedError
 from plogic.logic.grounding.load import Request, by_problog, quickly, request_from, variables
+from plogic.logic.safety.added import LAWFUL
+from plogic.logic.safety.allowlist import SPECIAL_HEADS
 from plogic.logic.safety.atoms import Names
-from plogic.logic.safety.check import Source
+from plogic.logic.safety.check import Source, heads, is_directive
 from plogic.logic.safety.guarded_engine import told
 from plogic.logic.safety.rows import SHORT_TEXT
 
@@ -92,7 +94,7 @@ def _label(argument: Any, names: Names | None) -> list[str]:  # noqa: ANN401 - a
 
 
 def _spoken(request: Request, outside: frozenset[str]) -> str | None:
-    """What the first body says that has a signature of ``outside`` anywhere in it."""
+    """What the first body says that has a signature of ``outside`` in it; rules that nobody asks say nothing."""
     program, more = request.split()
     said = (
         ()
@@ -101,8 +103,35 @@ def _spoken(request: Request, outside: frozenset[str]) -> str | None:
         if len(program.text) <= SHORT_TEXT
         else _said(program.statements)
     )
-    found = next((signature for signature in (*said, *_said(more)) if signature in outside), None)
+    reached = more if program is None else _reached(more, said)
+    found = next((signature for signature in (*said, *_said(reached)) if signature in outside), None)
     return None if found is None else f"{found}, which only the program itself can tell, is spoken of"
+
+
+def _reached(statements: Sequence[Any], said: Sequence[str]) -> list[Any]:
+    """The statements that may be asked: goals, evidence, and those whose name the program or one of these writes."""
+    names = {_name(signature) for signature in said}
+    waiting, found = list(statements), list[Any]()
+    while reached := [statement for statement in waiting if _asked(statement, names)]:
+        waiting = [statement for statement in waiting if not _asked(statement, names)]
+        found += reached
+        parts = [part for statement in reached for part in (*heads(statement), getattr(statement, "body", None))]
+        names |= {_name(signature) for part in parts for signature in _signatures(part)}
+    return found
+
+
+def _asked(statement: Any, names: set[str]) -> bool:  # noqa: ANN401 - a term of ProbLog's
+    """Whether one of these names calls it; who asks, observes, directs or constrains calls itself."""
+    return is_directive(statement) or any(
+        head.signature in SPECIAL_HEADS | LAWFUL
+        or str(head.functor).startswith("'plogic ")
+        or _name(head.signature) in names
+        for head in heads(statement)
+    )
+
+
+def _name(signature: str) -> str:
+    return signature.rpartition("/")[0].replace("'", "")
 
 
 def _said(statements: Sequence[Any]) -> tuple[str, ...]:

@@ -1,8 +1,9 @@
 """P(goal): every answer substitution, most probable first (contract, ``plogic query``)."""
 
+import re
 import time
-from collections.abc import Sequence
-from contextlib import AbstractContextManager, nullcontext
+from collections.abc import Iterator, Sequence
+from contextlib import AbstractContextManager, contextmanager, nullcontext
 from dataclasses import replace
 
 from plogic.base.errors import LimitError, ProgramError, SituationError
@@ -53,22 +54,37 @@ def answers_until(
 
     Each answer's interval contains its exact probability; of a goal with variables some answers may not be known yet.
     """
-    if isinstance(subject, Situation):
-        goal, limits, end = goal or "present(H)", limits or Limits(), time.monotonic() + seconds
+    if goal is None and isinstance(subject, Situation):
+        goal = "present(H)"
+    found, exact = answers_to_all_until(
+        subject, [] if goal is None else [goal], seconds=seconds, given=given, limits=limits
+    )
+    return found[0], exact
+
+
+def answers_to_all_until(
+    subject: Subject,
+    goals: Sequence[str],
+    *,
+    seconds: float,
+    given: Sequence[str] = (),
+    limits: Limits | None = None,
+) -> tuple[list[list[Answer]], bool]:
+    """As ``answers_to_all``, by a deadline for all goals together; see ``answers_until``."""
+    if isinstance(subject, Situation) and goals:
+        limits, end = limits or Limits(), time.monotonic() + seconds
         try:
-            on_graph = _on_graph(subject, [goal], given, replace(limits, seconds=min(limits.seconds, seconds)), seconds)
+            on_graph = _on_graph(subject, goals, given, replace(limits, seconds=min(limits.seconds, seconds)), seconds)
         except LimitError:
-            return unknown(goal, names_of(subject)), False
+            return [unknown(goal, names_of(subject)) for goal in goals], False
         if on_graph is not None:
-            return opened(subject.stopped, on_graph[0]), all(
-                answer.interval[0] == answer.interval[1] for answer in on_graph[0]
-            )
+            exact = all(answer.interval[0] == answer.interval[1] for some in on_graph for answer in some)
+            return [opened(subject.stopped, some) for some in on_graph], exact
         seconds = max(end - time.monotonic(), 0.0)
     text, names = subject_text(subject)
-    goals = [] if goal is None else [goal]
     with told_in_words(text):
         found, exact = run_until([text], goals, given, seconds=seconds, names=names, limits=limits)
-    return opened(stopped_of(subject), found[0]), exact
+    return [opened(stopped_of(subject), some) for some in found], exact
 
 
 def answers_to_all(
@@ -82,10 +98,40 @@ def answers_to_all(
     with _blaming(subject):
         found = _on_graph(subject, goals, given, limits) if isinstance(subject, Situation) and goals else None
         if found is None:
-            text, names = subject_text(subject)
-            with told_in_words(text):
-                found = run([text], goals, given, names=names, limits=limits)
+            found = _by_text(subject, goals, given, limits)
     return [opened(stopped_of(subject), some) for some in found]
+
+
+def _by_text(subject: Subject, goals: Sequence[str], given: Sequence[str], limits: Limits | None) -> list[list[Answer]]:
+    """All goals in one run of the program text; of several about a situation, those that its graph cannot say alone."""
+    known: dict[int, list[Answer]] = {}
+    if isinstance(subject, Situation) and len(goals) > 1:
+        each = [_on_graph(subject, [goal], given, limits) for goal in goals]
+        known = {i: found[0] for i, found in enumerate(each) if found is not None}
+    rest = [i for i in range(len(goals)) if i not in known]
+    if known and not rest:
+        return [known[i] for i in range(len(goals))]
+    text, names = subject_text(subject)
+    with told_in_words(text), _numbered([i + 1 for i in rest], len(goals)):
+        found = run([text], [goals[i] for i in rest], given, names=names, limits=limits)
+    return found if not known else [known[i] if i in known else found[rest.index(i)] for i in range(len(goals))]
+
+
+_GOAL = re.compile(r"goal(?: (\d+))?")
+"""What a mistake calls the place of a goal: of several in one run with its number, from 0."""
+
+
+@contextmanager
+def _numbered(numbers: Sequence[int], among: int) -> Iterator[None]:
+    """Within it a mistake in one of several goals says in which of them: the first is goal 1."""
+    try:
+        yield
+    except ProgramError as error:
+        place = _GOAL.fullmatch(error.file or "")
+        if among < 2 or place is None:
+            raise
+        file = f"goal {numbers[int(place[1] or 0)]}"
+        raise type(error)(error.reason, file=file, line=error.line, column=error.column) from None
 
 
 def unknown_names(subject: Subject, goal: str, *, limits: Limits | None = None) -> tuple[str, ...]:

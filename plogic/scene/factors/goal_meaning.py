@@ -72,10 +72,10 @@ OUTSIDE = (
 """Choices that the factor graph has summed out, and what is said in terms of them."""
 LOOKING = (
     *(f"subquery/{n}" for n in (2, 3, 5)), *(f"subquery_in_scope/{n}" for n in (3, 4, 6)), "possible/1", "clause/2", "clause/3",
-    "create_scope/2", "find_scope/2", "findall/3", "all/3", "all_or_none/3", "aggregate/5", "=>/2", "=../2",
+    "create_scope/2", "find_scope/2", "findall/3", "aggregate/5", "=>/2", "=../2",
 )  # fmt: skip
 """Built-ins that tell the program itself, its probabilities or its proofs, or may build such a call.
-``findall/3`` has an answer once for each proof."""
+``findall/3`` has an answer once for each proof; ``all/3`` and ``all_or_none/3`` have it once."""
 
 CHOSEN = r"""
 hitting(A, H, F) :- match(H, F, A), chosen(A, H/F).

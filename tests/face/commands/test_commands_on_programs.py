@@ -128,14 +128,22 @@ def test_a_recursion_that_cannot_end_is_told_of_a_program_and_of_rules_though_no
     assert f"{plain}:4:27: fact/2 calls itself without end" in "\n".join(told("query", plain))
 
 
-def test_a_findall_that_leaves_its_variable_open_is_told_what_to_write_and_that_is_answered(tmp_path):
+def test_a_findall_is_answered_as_a_goal_and_as_a_rule(tmp_path):
     path, rules = tmp_path / "u.pl", tmp_path / "rules.pl"
     path.write_text("0.25::a(1).\na(2).\n")
     goal = "findall(X, a(X), L), length(L, N)"
     rules.write_text(f"n(N) :- {goal}.\n")
-    assert "write it as a rule, n(N) :- findall(...)" in told("query", path, goal)[-1]
+    (one, two) = (row for row in told("query", path, goal) if row.strip().startswith("0."))
+    assert one.split(maxsplit=1) == ["0.750", "findall(X,a(X),[2]), length([2],1)"]
+    assert two.split(maxsplit=1) == ["0.250", "findall(X,a(X),[1, 2]), length([1, 2],2)"]
     rows = [line.split() for line in told("query", path, "n(N)", "--rules", rules)]
     assert [row for row in rows if row[1:] and row[1].startswith("n(")] == [["0.750", "n(1)"], ["0.250", "n(2)"]]
+
+
+def test_a_findall_whose_answers_keep_a_variable_open_is_told_what_to_write(tmp_path):
+    path = tmp_path / "u.pl"
+    path.write_text("0.25::a(1).\na(2).\n")
+    assert "write it as a rule, n(N) :- findall(...)" in told("query", path, "findall(X-Y, a(X), L)")[-1]
 
 
 def test_what_is_advised_instead_excludes_worlds(tmp_path):
