@@ -42,7 +42,7 @@ def test_more_lists_than_can_be_written_are_refused_at_once_with_their_place(col
     assert error["reason"].startswith(said)
 
 
-def test_more_proofs_than_can_be_written_out_are_refused_before_they_are():
+def test_more_proofs_than_can_be_looked_at_are_refused_before_they_are():
     many = " ".join(f"p{i} :- c({i},X), X > 0." for i in range(6))
     text = f"0.5::c(I,X) :- between(0,5,I), between(1,40,X). {many} all :- p0, p1, p2, p3, p4, p5. n(L) :- findall(x,all,L). query(n(_))."
     assert f"has {40**6} proofs" in reply_to(asked(text))["error"]["reason"]
