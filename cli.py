@@ -179,8 +179,7 @@ def query(source: str, goals: tuple[str, ...], given: tuple[str, ...], as_json: 
     """Give P(goal) with every answer substitution, most probable first; of several in order; of none, the program's."""
     from plogic.face.commands.asking import query_command
 
-    goal = goals[0] if goals else None
-    text, status = query_command(source, goal, given, Asking(**options), as_json=as_json, more=goals[1:])
+    text, status = query_command(source, goals, given, Asking(**options), as_json=as_json)
     emit(text)
     sys.exit(status)
 

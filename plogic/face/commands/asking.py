@@ -196,52 +196,42 @@ def _told(
 
 
 def query_command(
-    source: str, goal: str | None, given: Sequence[str], options: Asking, *, as_json: bool, more: Sequence[str] = ()
+    source: str, goals: Sequence[str], given: Sequence[str], options: Asking, *, as_json: bool
 ) -> tuple[str, int]:
-    """P(goal) of an interpretation or a program, and of ``more`` goals: tables one after another, or JSON Lines.
+    """P(goal) of an interpretation or a program; of several goals tables one after another, or JSON Lines.
 
     Exit 3 where the deadline was reached, answers then being intervals.
     """
-    asked, clock = _opened(source, options, given, [goal, *more]), Clock(options.deadline)
-    answered: tuple[Answers, ...]
-    if goal is None or not more:
-        answered = (asked.query(goal, given=given, rules=options.rules, deadline=options.deadline),)
-    else:
-        answered = asked.query_all([goal, *more], given=given, rules=options.rules, deadline=options.deadline)
-    told = []
-    for found in answered:
-        answers: list[rows.AnswerRow] = [
+    asked, clock = _opened(source, options, given, goals), Clock(options.deadline)
+
+    def told(found: Answers, goal: str | None) -> tuple[str, int]:
+        document: rows.Answers = {"format": "answers/1", "answers": []}
+        if goal is not None and len(goals) > 1:
+            document = {"format": "answers/1", "asked": goal, "answers": []}
+        document["answers"] = [
             {"goal": a.goal, "probability": a.probability, "interval": list(a.interval)} for a in found.answers
         ]
-        document: rows.Answers = {"format": "answers/1", "answers": answers}
-        if more and found.goal is not None:
-            document = {"format": "answers/1", "asked": found.goal, "answers": answers}
 
-        def text(document: rows.Answers = document, found: Answers = found) -> str:
+        def text() -> str:
+            from plogic.face.shown import tables
+
+            table = tables.text_of_table(tables.answers(document))
+            if not found.complete or any(a.interval[1] > 0 for a in found.answers):
+                return table
             said = [] if found.answers else [_none(source, asked, goal)]
-            return _answers_text(document, said, asked, goal and found.goal, options, clock)
+            if goal is not None:
+                limits = replace(asked.limits, seconds=max(0.0, min(asked.limits.seconds, clock.left())))
+                said += unknown_names(asked.beside(options.rules), goal, limits=limits)
+            return "\n".join([table.rstrip(), "", *said, ""]) if said else table
 
-        told.append(_told(document, found, text, WITHIN if found.answers else NOTHING, as_json=as_json))
-    return ("\n" if as_json else "\n\n").join(shown.rstrip() if more else shown for shown, _ in told), max(
-        status for _, status in told
-    )
+        return _told(document, found, text, WITHIN if found.answers else NOTHING, as_json=as_json)
 
-
-def _answers_text(
-    document: rows.Answers, said: list[str], asked: Asked, goal: str | None, options: Asking, clock: Clock
-) -> str:
-    """The table; where nothing is possible what is ``said``, and unknown names, as far as the clock lets us look."""
-    from plogic.face.shown import tables
-
-    table = tables.text_of_table(tables.answers(document))
-    if "asked" in document:
-        table = table.replace("answers", f"answers to {' '.join(document['asked'].split())}", 1)
-    if document.get("deadline") or any(a["interval"][1] > 0 for a in document["answers"]):
-        return table
-    if goal is not None:
-        limits = replace(asked.limits, seconds=max(0.0, min(asked.limits.seconds, clock.left())))
-        said += unknown_names(asked.beside(options.rules), goal, limits=limits)
-    return "\n".join([table.rstrip(), "", *said, ""]) if said else table
+    if len(goals) < 2:
+        goal = next(iter(goals), None)
+        return told(asked.query(goal, given=given, rules=options.rules, deadline=options.deadline), goal)
+    answered = asked.query_all(goals, given=given, rules=options.rules, deadline=options.deadline)
+    each = [told(found, found.goal) for found in answered]
+    return ("\n" if as_json else "\n\n").join(text.rstrip() for text, _ in each), max(status for _, status in each)
 
 
 def _none(source: str, asked: Asked, goal: str | None) -> str:

@@ -79,7 +79,10 @@ def answers(document: Answers) -> Table:
     One known only within bounds prints both, and those of what is unfinished their probability too.
     """
     apart = bool(document.get("unfinished"))
-    table = _table("answers", ("probability", "right"), *[("interval", "right")] * apart, ("goal", "left"))
+    # as a Text a goal in it is no markup, and is not broken to the width of the table
+    told = f" to {' '.join(document['asked'].split())}" if "asked" in document else ""
+    title = Text(f"answers{told}", style="bold", no_wrap=True, overflow="ignore")
+    table = _table(title, ("probability", "right"), *[("interval", "right")] * apart, ("goal", "left"))
     for answer in document.get("answers", []):
         low, high = answer.get("interval") or [answer["probability"]] * 2
         shown = chance(answer["probability"]) if low == high or apart else interval(low, high)
@@ -135,7 +138,7 @@ def _support_rows(support: Mapping[str, Cells], dv: Mapping[str, float]) -> list
     ]
 
 
-def _table(title: str, *columns: tuple[str, str]) -> Table:
+def _table(title: str | Text, *columns: tuple[str, str]) -> Table:
     table = Table(
         title=title, title_justify="left", title_style="bold", box=box.SIMPLE_HEAD, header_style="dim", pad_edge=False
     )
@@ -154,7 +157,7 @@ def text_of_table(table: Table) -> str:
     buffer = io.StringIO()
     width = None if terminal else WIDTH
     styled = terminal and not os.environ.get("NO_COLOR")
-    Console(file=buffer, force_terminal=styled, width=width, highlight=False).print(table)
+    Console(file=buffer, force_terminal=styled, width=width, highlight=False).print(table, crop=False)
     return "\n".join(line.rstrip() for line in buffer.getvalue().splitlines())
 
 

@@ -75,13 +75,17 @@ class Step:
             return ""
         lacks = [name for name in _names(self.goal) if name not in self.bound]
         binders = [goal for goal in self.after if not _binds(goal).isdisjoint(lacks)]
-        if not binders:
-            called = [name for name in lacks if name in self.late]
-            text = f"{_written(self.goal)} is asked before {' and '.join(called)} has a value, of all values at once"
-            return f"{text}: write the call of {self.head} after {self.late[called[0]]}" if called else ""
-        which = " and ".join(name for name in lacks if any(name in _binds(goal) for goal in binders))
-        what = f"{_written(self.goal)} is asked before {which} has a value, of all values at once"
-        return f"{what.replace(' has a value', ' have values') if ' and ' in which else what}: write it after {binders[-1]}"
+        called = [name for name in lacks if name in self.late]
+        if binders:
+            which, how = (
+                [name for name in lacks if any(name in _binds(goal) for goal in binders)],
+                f"it after {binders[-1]}",
+            )
+        elif called:
+            which, how = called, f"the call of {self.head} after {self.late[called[0]]}"
+        else:
+            return ""
+        return f"{_written(self.goal)} is asked before {_valued(which)}, of all values at once: write {how}"
 
     def computed(self) -> str:
         """What is to be said of arithmetic whose variables have no values yet; '' of anything else."""
@@ -91,11 +95,13 @@ class Step:
         lacks = [name for name in needed if name not in self.bound]
         if not lacks:
             return ""
-        what = f"{self.goal} is computed before {' and '.join(lacks)} {'has a value' if len(lacks) == 1 else 'have values'}"
         binder = self._binder(set(lacks))
-        return (
-            f"{what}: write it after {binder}" if binder is not None else f"{what}, and no goal of this body gives it"
-        )
+        how = ", and no goal of this body gives it" if binder is None else f": write it after {binder}"
+        return f"{self.goal} is computed before {_valued(lacks)}{how}"
+
+
+def _valued(names: Sequence[str]) -> str:
+    return f"{' and '.join(names)} {'has a value' if len(names) == 1 else 'have values'}"
 
 
 def asked_too_early(text: str, file: str, goals: Sequence[str] = ()) -> list[str]:

@@ -111,13 +111,14 @@ def _spoken(request: Request, outside: frozenset[str]) -> str | None:
 def _reached(statements: Sequence[Any], said: Sequence[str]) -> list[Any]:
     """The statements that may be asked: goals, evidence, and those whose name the program or one of these writes."""
     names = {_name(signature) for signature in said}
-    waiting, found = list(statements), list[Any]()
-    while reached := [statement for statement in waiting if _asked(statement, names)]:
-        waiting = [statement for statement in waiting if not _asked(statement, names)]
-        found += reached
-        parts = [part for statement in reached for part in (*heads(statement), getattr(statement, "body", None))]
+    found: dict[int, Any] = {}
+    while reached := {i: s for i, s in enumerate(statements) if i not in found and _asked(s, names)}:
+        found |= reached
+        parts = [
+            part for statement in reached.values() for part in (*heads(statement), getattr(statement, "body", None))
+        ]
         names |= {_name(signature) for part in parts for signature in _signatures(part)}
-    return found
+    return list(found.values())
 
 
 def _asked(statement: Any, names: set[str]) -> bool:  # noqa: ANN401 - a term of ProbLog's

@@ -72,16 +72,16 @@ def test_the_table_says_what_is_not_listed(program):
 def test_a_deadline_that_is_over_is_said(program):
     found, status = worlds(program, deadline=1e-6)
     assert (found["worlds"], found["unlisted_mass"], status, found["deadline"]) == ([], [1.0, 1.0], 3, "reached")
-    text, status = query_command(program, "burglary", (), Asking(deadline=1e-6), as_json=True)
+    text, status = query_command(program, ["burglary"], (), Asking(deadline=1e-6), as_json=True)
     assert status == 3
     assert json.loads(text)["answers"] == [{"goal": "burglary", "probability": 0.5, "interval": [0.0, 1.0]}]
-    shown, _ = query_command(program, None, (), Asking(deadline=1e-6), as_json=False)
+    shown, _ = query_command(program, [], (), Asking(deadline=1e-6), as_json=False)
     assert "The deadline was reached" in shown
 
 
 def test_a_deadline_that_suffices_changes_nothing(program):
-    exact = query_command(program, None, (), ASKED, as_json=True)
-    assert query_command(program, None, (), Asking(deadline=60.0), as_json=True) == exact
+    exact = query_command(program, [], (), ASKED, as_json=True)
+    assert query_command(program, [], (), Asking(deadline=60.0), as_json=True) == exact
     assert worlds(program, deadline=60.0) == worlds(program)
 
 
@@ -90,8 +90,8 @@ def test_trust_is_handed_down(tmp_path):
     path = tmp_path / "u.pl"
     path.write_text(":- consult('more.pl').\nquery(b).\n")
     with pytest.raises(UnsafeProgramError):
-        query_command(str(path), None, (), ASKED, as_json=True)
-    text, _ = query_command(str(path), None, (), Asking(trust=True), as_json=True)
+        query_command(str(path), [], (), ASKED, as_json=True)
+    text, _ = query_command(str(path), [], (), Asking(trust=True), as_json=True)
     assert [(a["goal"], a["probability"]) for a in json.loads(text)["answers"]] == [("b", 0.25)]
 
 

@@ -24,7 +24,7 @@ def program(tmp_path):
 
 
 def asked(program, *goals, as_json=True, **options):
-    return query_command(program, goals[0], (), Asking(**options), as_json=as_json, more=goals[1:])
+    return query_command(program, goals, (), Asking(**options), as_json=as_json)
 
 
 def test_each_goal_has_a_line_in_their_order_with_what_problog_answers(program):
