@@ -6,6 +6,7 @@ Every function broadcasts over leading axes; positions are metres, angles radian
 
 import math
 from functools import reduce
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -95,18 +96,25 @@ def rotation_from_quat_xyzw(quat_xyzw: ArrayLike) -> Floats:
     length = np.linalg.norm(quaternion, axis=-1, keepdims=True)
     if not (np.isfinite(length).all() and (length > 0).all()):
         raise GeometryError(f"quat_xyzw must be finite and not zero, not {quaternion.tolist()}")
-    x, y, z, w = np.moveaxis(quaternion / length, -1, 0)
-    rows = [
+    rows = np.array(_turned(*np.moveaxis(quaternion / length, -1, 0)))
+    return np.ascontiguousarray(np.moveaxis(rows, (0, 1), (-2, -1)))
+
+
+def _turned(x: Any, y: Any, z: Any, w: Any) -> list[list[Any]]:  # noqa: ANN401 - numbers, or arrays (...) of them
+    """The rows of the rotation of a unit quaternion."""
+    return [
         [1 - 2 * (y * y + z * z), 2 * (x * y - z * w), 2 * (x * z + y * w)],
         [2 * (x * y + z * w), 1 - 2 * (x * x + z * z), 2 * (y * z - x * w)],
         [2 * (x * z - y * w), 2 * (y * z + x * w), 1 - 2 * (x * x + y * y)],
     ]
-    return np.stack([np.stack(row, axis=-1) for row in rows], axis=-2)
 
 
 def turn_about(axis: ArrayLike, angle: float) -> Floats:
     """The rotation (3, 3) by `angle` rad about the unit vector `axis` (3,)."""
-    return rotation_from_quat_xyzw([*(math.sin(angle / 2) * np.asarray(axis)), math.cos(angle / 2)])
+    x, y, z = (math.sin(angle / 2) * float(part) for part in np.asarray(axis))
+    w = math.cos(angle / 2)
+    length = math.sqrt(x * x + y * y + z * z + w * w)
+    return np.array(_turned(x / length, y / length, z / length, w / length))
 
 
 def least_turns(start: ArrayLike, end: ArrayLike) -> Floats:

@@ -32,12 +32,12 @@ def compiled(signature: str | None = None) -> Callable[[Callable[..., Any]], Any
         check_room(*COMPILING)
         loop: Any
         try:
-            loop = njit(cache=True)(function)
+            loop = njit(cache=True, error_model="numpy")(function)
             if loop is function:  # NUMBA_DISABLE_JIT
                 return loop
             _mend(loop._cache)  # noqa: SLF001 - numba looks there first, and raises where anything is torn
         except RuntimeError:  # neither beside the source, nor in the user's home, nor where NUMBA_CACHE_DIR says
-            loop = njit(function)
+            loop = njit(error_model="numpy")(function)
             UNKEPT.append(function.__name__)
         if signature is not None:
             loop.compile(signature)

@@ -3,12 +3,14 @@
 As the commands do (``cli.main``), numpy's library is told to use one thread: our products are many and small, and two
 workers whose threads wait for each other take a third longer. ProbLog brings an old pyparsing, which is imported once,
 its deprecation warnings aside. What importing and collecting all tests leaves stays to the end, and is not looked
-through again with each collection of garbage, of which there are fewer.
+through again with each collection of garbage, of which there are fewer. Ctrl-C reaches the commands that are tested, in
+a shell's background as well, where it would be ignored by all that is started there.
 """
 
 import gc
 import json
 import os
+import signal
 import sys
 
 os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
@@ -20,6 +22,7 @@ from plogic.logic.served.engine import through
 from plogic.logic.served.program_child import reply_to, serve
 
 load_problog()
+signal.signal(signal.SIGINT, signal.default_int_handler)
 
 
 def pytest_collection_finish(session):

@@ -12,6 +12,7 @@ there too.
 
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
+from functools import cached_property
 from itertools import product
 from typing import Any, NamedTuple
 
@@ -59,8 +60,13 @@ class Plane:
         They are a turn about ``up``, and two moves along the plane.
         """
         result = np.zeros((6, 3))
-        result[:3, 0], result[3:, 1:] = self.up, along_plane(self.up)
+        result[:3, 0], result[3:, 1:] = self.up, self.along
         return result
+
+    @cached_property
+    def along(self) -> Floats:
+        """(3, 2) as of ``along_plane``."""
+        return along_plane(self.up)
 
 
 @dataclass(frozen=True)

@@ -18,7 +18,7 @@ from typing import NamedTuple
 import numpy as np
 
 from geometry.arrays import Floats, Ints, Mask
-from geometry.bodies.resting import Plane, RestingFaces, along_plane
+from geometry.bodies.resting import Plane, RestingFaces
 
 FAR = float(np.log(100.0))
 """Logarithm of the ratio of the greatest to the least height of a camera above what it looks at."""
@@ -84,7 +84,7 @@ class Area(NamedTuple):
 
 
 class Known(NamedTuple):
-    """A ``plane``, and the ``covariance`` (3, 3) of its tilts about ``along_plane(up)``, rad, and of its height, m.
+    """A ``plane``, and the ``covariance`` (3, 3) of its tilts about ``plane.along``, rad, and of its height, m.
 
     ``noise``: that of the bodies that stand on it; ``area``: where there is something to stand on, None for all of it.
     """
@@ -99,7 +99,7 @@ class Known(NamedTuple):
         if self.area is None:
             return np.ones(len(places), bool)
         off = places - self.area.at
-        return np.asarray(np.linalg.norm(off @ along_plane(self.plane.up), axis=1) < self.area.wide + beside)
+        return np.asarray(np.linalg.norm(off @ self.plane.along, axis=1) < self.area.wide + beside)
 
     def same(self, other: "Known", share: float = 1.0) -> bool:
         """Whether two are nearly the same, within a ``share`` of what is alike, and in nearly the same place."""
@@ -187,7 +187,7 @@ def top_of(stands: Stands, way: int, known: Known, high: float) -> Known:
 
 def off(stands: Stands, plane: Plane) -> tuple[Floats, Floats]:
     """(N, 2) rad by which each is tilted against a plane, about its axes, and (N,) m by which it is above."""
-    side = stands.up @ along_plane(plane.up)
+    side = stands.up @ plane.along
     angle = np.arccos(np.clip(stands.up @ plane.up, -1.0, 1.0))
     length = np.linalg.norm(side, axis=1)
     return side * (angle / np.maximum(length, 1e-12))[:, None], plane.height(stands.foot)
@@ -224,7 +224,7 @@ def _volumes(stands: Stands) -> Floats:
 def fitted(stands: Stands, share: Floats, plane: Plane, level: Floats | float = 0.0) -> Known:
     """The plane near one on which these stand, each counted by its ``share`` (N,); or ``level`` (N,) above it."""
     tilted, above = off(stands, plane)
-    axes = along_plane(plane.up)
+    axes = plane.along
     by_tilt, by_height = (share + level) / stands.tilt**2, share / stands.high**2
     # a plane of the steps (a, b, c) has the normal up + a·first + b·second and is c higher
     slope = np.column_stack([stands.foot @ axes, np.ones(len(share))])
@@ -259,7 +259,7 @@ class Contact(NamedTuple):
             return np.zeros((6, 6)), np.zeros(6)
         up, off, sigma = found
         slope = np.zeros((3, 6))
-        slope[:2, :3] = np.cross(up, along_plane(self.known.plane.up).T)
+        slope[:2, :3] = np.cross(up, self.known.plane.along.T)
         slope[2, 3:] = self.known.plane.up
         weighed = slope / sigma[:, None] ** 2
         return weighed.T @ slope, -weighed.T @ off
@@ -282,7 +282,7 @@ class Contact(NamedTuple):
         face = int(np.argmax(ups @ plane.up))
         if ups[face] @ plane.up < np.cos(TIPPED):
             return None
-        axes, here = along_plane(plane.up), pose[:3, :3] @ middle + pose[:3, 3]
+        axes, here = plane.along, pose[:3, :3] @ middle + pose[:3, 3]
         high = float(plane.height(here)) - float(self.faces.reach[face] - self.faces.down[face] @ middle)
         slope = np.append(here @ axes, 1.0)
         level = np.hypot(noise.level * np.linalg.norm(here), np.sqrt(slope @ covariance @ slope))

@@ -174,7 +174,8 @@ def _inside(faces: Shapes, lines: Shapes) -> Floats:
     A slit, two edges that agree but for rounding, parts no face.
     """
     points = shapely.point_on_surface(faces)
-    near = np.flatnonzero(shapely.distance(points, lines) < _SLIT)
+    shapely.prepare(lines)
+    near = np.flatnonzero(shapely.dwithin(lines, points, _SLIT))
     around = shapely.bounds(faces[near]) + np.array([-2.0, -2.0, 2.0, 2.0]) * _SLIT
     for i, box in zip(near, around, strict=True):
         slit = shapely.buffer(shapely.clip_by_rect(lines, *box), _SLIT)  # of all lines it takes a tenth of a second

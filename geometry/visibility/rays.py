@@ -83,6 +83,18 @@ class RayMesh:
         near = np.float32(lead * self._scale) * unit + ((eye - self.centre) * self._scale).astype(np.float32)
         return np.asarray(self._scene.run(near, unit), np.int32)
 
+    def times(self, eye: Floats, along: Floats) -> Floats:
+        """How many times each of vectors (N, 3), none 0, leads from one place (3,) m to the surface; inf for never."""
+        triangle = self.seen_from(eye, (along / lengths(along)[:, None]).astype(np.float32))
+        hit = np.flatnonzero(triangle >= 0)
+        way, normal, corner = along[hit], self._normals[triangle[hit]], self._corner[triangle[hit]] - eye
+        sink, result = summed(normal * way), np.full(len(along), np.inf)
+        steep = np.abs(sink) > _GRAZING * lengths(normal) * lengths(way)
+        beside = summed(corner * way) / summed(way * way)  # where its first corner is, as far as the way goes there
+        to_plane = np.divide(summed(normal * corner), sink, out=beside.copy(), where=steep)
+        result[hit] = np.where(np.abs(to_plane - beside) * lengths(way) < self.size, to_plane, beside)
+        return result
+
     def blocks(self, viewpoint: ArrayLike, points: ArrayLike, tolerance: float) -> Mask:
         """Mask (N,): the segment from `viewpoint` to a point (N, 3) is cut `tolerance` m or more before it ends.
 
@@ -189,11 +201,13 @@ def depth_of(mesh: RayMesh, camera_from_object: Floats, K: Floats, size: tuple[i
     result = np.full(size[::-1], np.inf)
     left, right = _span(mesh, camera_from_object, K, size[0], 0)
     top, bottom = _span(mesh, camera_from_object, K, size[1], 1)
-    u, v = np.meshgrid(np.arange(left, right), np.arange(top, bottom))
-    if u.size:
-        rays = np.stack([(u - K[0, 2]) / K[0, 0], (v - K[1, 2]) / K[1, 1], np.ones(u.shape)], axis=-1).reshape(-1, 3)
-        far = mesh.first_hit(inverse(camera_from_object)[:3, 3][None], rays @ camera_from_object[:3, :3])
-        result[top:bottom, left:right] = (far / np.linalg.norm(rays, axis=1)).reshape(u.shape)
+    if left < right and top < bottom:
+        sights = np.ones((bottom - top, right - left, 3))
+        sights[..., 0] = (np.arange(left, right) - K[0, 2]) / K[0, 0]
+        sights[..., 1] = ((np.arange(top, bottom) - K[1, 2]) / K[1, 1])[:, None]
+        result[top:bottom, left:right] = mesh.times(
+            inverse(camera_from_object)[:3, 3], sights.reshape(-1, 3) @ camera_from_object[:3, :3]
+        ).reshape(sights.shape[:2])
     return result
 
 

@@ -50,17 +50,17 @@ def processors() -> int:
 
 
 def each(done: Callable[[Job], Result], jobs: Sequence[Job], processes: int) -> Generator[Result]:
-    """As ``map``, by at most so many ``processes``, this one among them, for two jobs or more each.
+    """As ``map``, by at most so many ``processes``, this one among them.
 
     By this one alone where it may have no children.
 
     Whoever is idle takes the next job. One that raises does so here, in its turn: where a copy fails, or is killed,
     this process does its job.
     Of who stops asking no further job is begun. What jobs leave behind besides their results is lost with the copies. A
-    process that has other
-    threads should ask for one process only: a copy has none of them, and what they held stays held.
+    process that has other threads should ask for one process only: a copy has none of them, and what they held stays
+    held.
     """
-    processes = min(processes, len(jobs) // 2)
+    processes = min(processes, len(jobs))
     if processes < 2 or current_process().daemon:
         yield from map(done, jobs)
         return

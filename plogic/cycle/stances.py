@@ -139,7 +139,7 @@ def _on_plane(name: str, stands: Stands, plane: Plane) -> Iterator[_Way]:
 
 def _on_others(names: list[str], posed: Mapping[str, Hypothesis], bodies: Bodies, plane: Plane) -> Iterator[_Way]:
     """On what has its middle below, and its top under the foot."""
-    axes, feet = along_plane(plane.up), bodies.stands.foot
+    axes, feet = plane.along, bodies.stands.foot
     middles = [float(plane.height(posed[name].middle)) for name in names]
     for k, name in enumerate(names):
         surface = posed[name].object_type.surface

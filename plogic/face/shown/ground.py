@@ -11,7 +11,7 @@ import shapely
 from numpy.typing import NDArray
 
 from geometry.arrays import Floats
-from geometry.bodies.resting import Plane, along_plane
+from geometry.bodies.resting import Plane
 from geometry.camera import Camera, camera_from_dict
 from plogic.face.shown.against import silhouette
 from plogic.face.shown.pencil import Colour, Pencil
@@ -67,7 +67,7 @@ def ground_of(document: Interpretation) -> Ground | None:
 
 def _grid(plane: Plane, feet: Floats) -> tuple[Floats, float]:
     """(L, ``POINTS``, 3) lines at even steps around feet (N, 3), and the step."""
-    axes = along_plane(plane.up)
+    axes = plane.along
     at = feet @ axes
     beyond = max(AROUND * float(np.ptp(at, axis=0).max()), 0.1 * float(np.linalg.norm(feet, axis=1).mean()))
     low, high = at.min(axis=0) - beyond, at.max(axis=0) + beyond
