@@ -15,8 +15,9 @@ from situations import random_situations, towers
 
 from plogic.base.errors import InconsistentError
 from plogic.logic.answers.state_ranking import ranked
-from plogic.logic.served.engine import Text, program_worlds, through
+from plogic.logic.served.engine import Text, through
 from plogic.logic.served.program_child import serve
+from plogic.logic.served.program_worlds import program_worlds
 from plogic.scene.text.program_text import program_text
 from plogic.scene.worlds.ranked_worlds import ranked_worlds
 

@@ -10,7 +10,8 @@ from hypothesis import strategies as st
 from plogic.logic.answers import intervals as bounding
 from plogic.logic.answers.intervals import Bounds, answers_by
 from plogic.logic.grounding.load import ground, request_from
-from plogic.logic.served.engine import Text, program_worlds, run, run_until
+from plogic.logic.served.engine import Text, run, run_until
+from plogic.logic.served.program_worlds import program_worlds
 
 ALARM = """0.1::burglary. 0.2::earthquake. 0.7::alarm(X) :- burglary, p(X). 0.3::alarm(X) :- earthquake, p(X).
 0.05::noise(X) :- p(X). p(a). p(b). p(c). p(d). calls(X) :- alarm(X). calls(X) :- noise(X), \\+ alarm(X).

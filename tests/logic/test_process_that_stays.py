@@ -8,7 +8,8 @@ import os
 import pytest
 
 from plogic.base.errors import LimitError
-from plogic.logic.served.engine import Limits, Process, Text, request_of, through
+from plogic.logic.served import engine
+from plogic.logic.served.engine import Limits, Process, Text, request_of, run, run_until, through
 from plogic.scene.asking.query import answers
 
 PROGRAM = Text(
@@ -92,3 +93,37 @@ def test_nothing_stays_when_the_session_is_forgotten():
     gc.collect()
     assert not alive(pid)
     assert not os.path.exists(scratch)  # noqa: PTH110 - a name that mkdtemp gave
+
+
+CRASHING = """
+import os, signal
+
+class SddManager:
+    from_vtree = from_cnf_string = lambda *_: os.kill(os.getpid(), signal.SIGSEGV)
+
+def Vtree(*_):
+    return None
+"""
+
+
+@pytest.fixture
+def crashing(tmp_path, monkeypatch):
+    """A PySDD that ends its process, for all processes that are started."""
+    (tmp_path / "pysdd").mkdir()
+    (tmp_path / "pysdd/__init__.py").touch()
+    (tmp_path / "pysdd/sdd.py").write_text(CRASHING)
+    monkeypatch.syspath_prepend(tmp_path)
+
+
+@pytest.mark.usefixtures("crashing")
+def test_where_pysdd_crashes_the_program_is_counted_without(process, monkeypatch):
+    text = Text("0.3::a. 0.4::b. c :- a, \\+ b. c :- b, d. d :- c. query(c).")
+    assert [found.probability for found in run([text])[0]] == [pytest.approx(0.18)]
+    ((found,),), exact = run_until([text], seconds=20)
+    assert (found.probability, exact) == (pytest.approx(0.18), True)
+    with through(process.ask):
+        assert run([text])[0][0].probability == pytest.approx(0.18)
+    assert process.started == 2
+    monkeypatch.setattr(engine, "CRASHES", ())
+    with pytest.raises(LimitError, match="ended without an answer: signal 11"):
+        run([text])

@@ -11,7 +11,8 @@ from hypothesis import assume, given, settings
 
 from plogic.base.errors import InconsistentError
 from plogic.logic.answers.state_ranking import ranked
-from plogic.logic.served.engine import Text, program_worlds
+from plogic.logic.served.engine import Text
+from plogic.logic.served.program_worlds import program_worlds
 
 
 def worlds(text, number=10_000, **options):

@@ -365,7 +365,7 @@ def test_every_entry_passes_both_layers(entry, trick, bait):
 
     One that never calls the trick must leave no trace either.
     """
-    from plogic.logic.served.engine import program_worlds
+    from plogic.logic.served.program_worlds import program_worlds
     from plogic.scene.asking.explanations import explain
     from plogic.scene.asking.query import answers
 

@@ -25,7 +25,8 @@ from plogic.facts.spatial import exclusion_lines, exclusions
 from plogic.logic.safety.allowlist import TRUSTED
 from plogic.logic.safety.atoms import quoted
 from plogic.logic.safety.notes import notes, notes_on_goals
-from plogic.logic.served.engine import TOO_DEEP, ProgramRanking
+from plogic.logic.served.engine import TOO_DEEP
+from plogic.logic.served.program_worlds import ProgramRanking
 from plogic.run.sources import is_program, program_text_of
 from plogic.scene import document as rows
 from plogic.scene.asking.query import unknown_names

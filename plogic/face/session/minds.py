@@ -20,14 +20,13 @@ from plogic.logic.served.engine import (
     Answer,
     Limits,
     Process,
-    ProgramRanking,
     Text,
     ask,
-    program_worlds,
     request_of,
     through,
 )
 from plogic.logic.served.outline import Outline, Predicate, outline_of, outline_request
+from plogic.logic.served.program_worlds import ProgramRanking, program_worlds
 from plogic.scene.asking.explanations import Account, explain
 from plogic.scene.asking.query import Subject, answers, stopped_of, subject_text
 from plogic.scene.readings.unfinished import proved

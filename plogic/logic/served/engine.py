@@ -7,13 +7,11 @@ Making the text and running it are two functions; this one runs it. Vocabulary:
 * ``Answer``, ``Answer("present(h1)", 0.97, (0.97, 0.97))``
 * ``Process``, one that stays: questions go to it one after another, each with its own limit of time. What runs out of
   time or is interrupted ends with its process; the next question starts another
-* ``program_worlds``, the ranked possible worlds of any program (``plogic.logic.answers.state_ranking`` answers)
 """
 
 import contextlib
 import contextvars
 import json
-import math
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -133,6 +131,8 @@ def read_reply(line: str | bytes) -> dict[str, Any]:
 
 
 DEAD = "the process of the inference ended without an answer: {}"
+CRASHES = "signal 4", "signal 6", "signal 7", "signal 8", "signal 11"
+"""How a process ends in which a compiled library crashed; on Linux 7 is SIGBUS."""
 TOO_DEEP = "the proofs are nested too deeply to be told"
 
 
@@ -258,7 +258,11 @@ def _ask(request: dict[str, Any], limits: Limits) -> dict[str, Any]:
 
 
 def _told(request: dict[str, Any], limits: Limits, *, late: bool = True) -> str:
-    """What the child wrote until it ended or its time was over; unless ``late``, the latter raises LimitError."""
+    """What the child wrote until it ended or its time was over; unless ``late``, the latter raises LimitError.
+
+    A child in which a compiled library crashed is followed by another that does without PySDD.
+    """
+    end = monotonic() + limits.seconds
     command, memory = python("plogic.logic.served.program_child"), limits.megabytes * 2**20
     with ending_well(), Child(command, told=json.dumps(request).encode(), memory=memory) as child:
         told, over = child.rest(limits.seconds)
@@ -270,11 +274,19 @@ def _told(request: dict[str, Any], limits: Limits, *, late: bool = True) -> str:
                 )
             raise errors.LimitError(f"the process of the inference could not work: {said[:300]}")
         ended = child.end()
+    if _crashed(ended, request):
+        left = replace(limits, seconds=max(0.0, end - monotonic()))
+        return _told({**request, "plain": True}, left, late=late)
     if over and not late:
         raise errors.LimitError(f"the inference took longer than {limits.seconds:.3g} s")
     if not (over or late or b"\n" in told):
         raise errors.LimitError(DEAD.format(ended))
     return told.decode()
+
+
+def _crashed(ended: str, request: dict[str, Any]) -> bool:
+    """Whether a library crashed that another process could do without."""
+    return ended in CRASHES and not request.get("plain")
 
 
 def _raise(error: dict[str, Any], limits: Limits) -> None:
@@ -304,6 +316,8 @@ class Process:
             ended = running.end()
             self.close()
             if isinstance(error, (BrokenPipeError, json.JSONDecodeError)):
+                if _crashed(ended, request):
+                    return self.ask({**request, "plain": True})
                 raise LimitError(DEAD.format(ended)) from None
             raise
         if reply.get("error", {}).get("kind") == "LimitError":
@@ -334,60 +348,3 @@ class Process:
             if not pieces[-1]:
                 break
         return b"".join(pieces)
-
-
-@dataclass(frozen=True)
-class ProgramWorld:
-    r"""The worlds in which ``holds`` are the query atoms that are true, taken together.
-
-    ``choices``: the most probable total choice among them, of the choices that matter: ``("a", "\\+b",
-    "colour(red)")``.
-    """
-
-    probability: float
-    holds: tuple[str, ...]
-    choices: tuple[str, ...]
-
-
-@dataclass(frozen=True)
-class ProgramRanking:
-    """``unlisted``: an interval that contains the probability of all worlds that are not listed.
-
-    ``log_evidence``: ln P(evidence), None if it is not known yet; ``complete``: as many worlds as were asked for are
-    listed, or all that there are.
-    """
-
-    worlds: tuple[ProgramWorld, ...]
-    unlisted: tuple[float, float]
-    log_evidence: float | None
-    complete: bool
-
-
-def program_worlds(
-    text: Text,
-    n: int = 10,
-    *,
-    given: Sequence[str] = (),
-    goals: Sequence[str] = (),
-    limits: Limits | None = None,
-    seconds: float | None = None,
-    names: Names | None = None,
-) -> ProgramRanking:
-    """The ``n`` most probable worlds given the program's evidence and ``given``, non-increasing.
-
-    Worlds are distinguished by the truth of the ``goals``' instances; without goals, of the program's own query/1; of a
-    program that asks nothing, of all atoms that it gives a probability. Ties (to a relative 1e-11) are in the order in
-    which atoms are asked: a world in which an earlier one holds comes first (among the first thousand of one tie). With
-    ``seconds``, the worlds that are known by then. Raises ProgramError, InconsistentError, LimitError.
-    """
-    request = {**request_of([text], goals, given, names), "task": "worlds", "number": n}
-    if seconds is None:
-        return _ranking(ask(request, limits or Limits()))
-    reply = ask_until({**request, "anytime": True}, limits or Limits(), seconds)
-    return ProgramRanking((), (1.0, 1.0), None, complete=False) if reply is None else _ranking(reply)
-
-
-def _ranking(reply: dict[str, Any]) -> ProgramRanking:
-    worlds = tuple(ProgramWorld(row["p"], tuple(row["holds"]), tuple(row["choices"])) for row in reply["worlds"])
-    unlisted = 0.0 if reply.get("all") else max(0.0, 1.0 - math.fsum(world.probability for world in worlds))
-    return ProgramRanking(worlds, (unlisted, unlisted), reply["log_evidence"], not reply.get("partial", False))

@@ -38,10 +38,15 @@ def main() -> None:
 
 
 def reply_to(request: dict[str, Any], tell: Tell | None = None) -> dict[str, Any]:
-    """The reply to one request, or the error that it came to; ``tell`` gets what is known on the way."""
+    """The reply to one request, or the error that it came to; ``tell`` gets what is known on the way.
+
+    One that is to be ``plain`` is answered without PySDD.
+    """
     from plogic.base.errors import BeliefError, InconsistentError, ProgramError
 
     sys.setrecursionlimit(5000)
+    if request.get("plain"):
+        sys.modules["pysdd"] = None  # type: ignore[assignment]  # as where it is not installed
     file = request["texts"][0]["file"]
     try:
         return serve(request, tell)

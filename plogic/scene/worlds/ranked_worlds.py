@@ -34,7 +34,8 @@ from plogic.inference.graph import Beliefs, FactorGraph, connected
 from plogic.inference.marginals import beliefs, summed_out
 from plogic.inference.ranked import Ranked, best
 from plogic.logic.safety.atoms import quoted
-from plogic.logic.served.engine import Limits, program_worlds, run
+from plogic.logic.served.engine import Limits, run
+from plogic.logic.served.program_worlds import program_worlds
 from plogic.scene.factors.scene_graph import SceneGraph, scene_graph
 from plogic.scene.factors.weight_tables import Choice, cast_of
 from plogic.scene.readings.standing import Standing, Told, said
