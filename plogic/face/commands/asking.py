@@ -27,7 +27,7 @@ from plogic.logic.safety.atoms import quoted
 from plogic.logic.safety.notes import notes, notes_on_goals
 from plogic.logic.served.engine import TOO_DEEP
 from plogic.logic.served.program_worlds import ProgramRanking
-from plogic.run.sources import is_program, program_text_of
+from plogic.run.sources import program_text_of
 from plogic.scene import document as rows
 from plogic.scene.asking.query import unknown_names
 from plogic.scene.readings.unfinished import flagged, marks, with_notice
@@ -272,12 +272,7 @@ def shell_command(source: str, options: Asking, *, write: Callable[[str], None],
 
     if source == "-":
         raise InputError("-: stdin holds the lines of the session; give the interpretation or the program as a file")
-    if options.trust and is_program(source):
-        say(TRUSTED)
-    with (
-        ending_well(),
-        Session.open(source, reading=options.reading, rules=options.rules, trust=options.trust) as session,
-    ):
+    with ending_well(), Session(_opened(source, options, ()), rules=options.rules) as session:
         session.greeting()
         if sys.stdin.isatty() and sys.stdout.isatty():
             from plogic.face.session.prompt import run_prompt

@@ -19,6 +19,7 @@ from plogic.face.shown.figures import NONE, chance, interval
 from plogic.facts.situation import Stopped
 from plogic.facts.stances import words_of_standing
 from plogic.logic.safety.author import bindings
+from plogic.logic.safety.notes import notes_on_goals
 from plogic.logic.served.engine import Answer
 from plogic.scene.asking.explanations import Account
 from plogic.scene.readings.unfinished import notice, proved
@@ -62,6 +63,7 @@ class Answers(Rows[AnswerRow]):
         return (
             Table("answers", (PROBABILITY, *_between(self.stopped), Column("goal")), rows),
             *_unfinished(self.stopped),
+            *_too_early("goal", self.goal),
         )
 
 
@@ -111,7 +113,8 @@ class Predictions(Rows[PredictionRow]):
             (*_chances(row.now, self.stopped), _chances(row.before, self.stopped)[0], row.goal)
             for row in self.predictions
         )
-        return (Table(f"answers {_given(self.observed)}", columns, rows), *_unfinished(self.stopped))
+        answers = Table(f"answers {_given(self.observed)}", columns, rows)
+        return (answers, *_unfinished(self.stopped), *_too_early("goal", self.goal))
 
 
 @dataclass(frozen=True, repr=False)
@@ -140,6 +143,7 @@ class Observed(Result):
         return (
             Note(f"observed {self.literal}: its probability was {chance(self.probability)} ({beside})"),
             *_unfinished(self.stopped),
+            *_too_early("literal", self.literal),
         )
 
 
@@ -345,6 +349,11 @@ def _between(stopped: Stopped) -> tuple[Column, ...]:
 def _unfinished(stopped: Stopped) -> tuple[Block, ...]:
     """One line below what is told of an unfinished interpretation."""
     return (Note(notice(stopped)),) if stopped else ()
+
+
+def _too_early(name: str, asked: str | None) -> tuple[Block, ...]:
+    """What is surely not meant so in a goal or a literal, as ``plogic query`` says it on stderr."""
+    return () if asked is None else tuple(Note(line) for line in notes_on_goals({name: asked}))
 
 
 def _given(observed: tuple[str, ...]) -> str:

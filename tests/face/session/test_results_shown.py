@@ -103,3 +103,22 @@ def test_results_are_frozen_and_equal_by_value():
 
 def test_an_interval_prints_both_ends():
     assert "0.250..0.500" in str(results.Answers("a", (Answer("a", 0.3, (0.25, 0.5)),)))
+
+
+EARLY = "\\+ dry(X), day(X)"
+SAID = "goal:1:1: \\+ dry(X) is asked before X has a value, of all values at once: write it after day(X)"
+
+
+@pytest.mark.parametrize(
+    "result",
+    [
+        results.Answers(EARLY, (ANSWER,)),
+        results.Predictions(EARLY, (results.Prediction(EARLY, ANSWER, ANSWER),), ()),
+        results.Observed(EARLY, 0.5, ()),
+    ],
+    ids=lambda r: type(r).__name__,
+)
+def test_what_is_surely_not_meant_so_is_told_below(result):
+    place = "literal" if isinstance(result, results.Observed) else "goal"
+    assert str(result).splitlines()[-1] == SAID.replace("goal", place, 1)
+    assert str(results.Answers("day(X), \\+ dry(X)", ())).count("is asked before") == 0

@@ -199,6 +199,16 @@ def test_trust_lets_a_program_of_ones_own_read_its_files(tmp_path):
     assert [line[:8] for line in trusted.stderr.splitlines()] == ["--trust:"], "it says what it lifts"
 
 
+def test_what_a_program_surely_does_not_mean_is_told_as_it_is_opened(tmp_path):
+    (tmp_path / "main.pl").write_text("0.3::rain.\n:- rain.\n")
+    run = plogic("shell", tmp_path / "main.pl", stdin="ask rain\nask \\+ dry(X), day(X)\n")
+    assert run.stderr.splitlines()[0].partition(": ")[::2] == (
+        f"{tmp_path / 'main.pl'}:2:4",
+        "a clause without a head excludes no world: write excluded :- rain. evidence(\\+ excluded).",
+    )
+    assert "goal:1:1: \\+ dry(X) is asked before X has a value" in run.stdout
+
+
 def test_a_number_of_any_length_is_told_as_a_wrong_one(rain):
     done = ran(rain, f"worlds {'9' * 5000}", f"show {'9' * 5000}", "predict rain")
     assert "plogic: line 1: worlds 999" in done.stderr
