@@ -200,7 +200,7 @@ def test_trust_lets_a_program_of_ones_own_read_its_files(tmp_path):
 
 
 def test_what_a_program_surely_does_not_mean_is_told_as_it_is_opened(tmp_path):
-    (tmp_path / "main.pl").write_text("0.3::rain.\n:- rain.\n")
+    (tmp_path / "main.pl").write_text("0.3::rain. 0.2::dry(mon). day(mon).\n:- rain.\n")
     run = plogic("shell", tmp_path / "main.pl", stdin="ask rain\nask \\+ dry(X), day(X)\n")
     assert run.stderr.splitlines()[0].partition(": ")[::2] == (
         f"{tmp_path / 'main.pl'}:2:4",
