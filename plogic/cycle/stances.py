@@ -46,9 +46,6 @@ LEVEL = 1e-6
 """Length of what is left of the camera's x along a plane, below which it is at right angles to it."""
 
 
-NO_CHANCE = Chance(0.0, 0.0)
-
-
 class _Way(NamedTuple):
     """A stance of a body by number, with the chance of its face alone."""
 
@@ -83,11 +80,11 @@ def support_of_view(
     ways = [way for name, known in planes.items() for way in _on_plane(name, bodies.stands, known.plane)]
     if planes:
         ways += _on_others(names, posed, bodies, planes["s1"].plane)
-    finds = zip(names[: len(accepted)], bodies.put, strict=False)  # a rival is no other find
-    chances = {name: PUT if put else FREE for name, put in finds}
+    chances = [PUT if put else FREE for put in bodies.put]
     told = tuple(_told(name, known, float(prior[k])) for k, (name, known) in zip(some, planes.items(), strict=True))
-    by_chance = tuple((name, chance.on) for name, chance in chances.items())
-    level = tuple(_level(bodies, planes, rests, [(name, chances.get(name, NO_CHANCE)) for name in names]))
+    finds = zip(names[: len(accepted)], chances, strict=False)  # a rival is no other find
+    by_chance = tuple((name, chance.on) for name, chance in finds)
+    level = tuple(_level(bodies, planes, rests, list(zip(names, chances, strict=True))))
     return Support(rests, float(prior[-1]), told, tuple(_stances(names, ways, rests)), by_chance, level)
 
 

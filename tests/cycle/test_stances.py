@@ -1,5 +1,6 @@
 """What the program is told of who stands on what: planes, tops of others, and chances that sum to what rests."""
 
+from dataclasses import astuple
 from types import SimpleNamespace
 
 import numpy as np
@@ -78,6 +79,14 @@ def test_each_find_may_stand_by_chance_and_a_rival_is_no_other_find():
     posed = {**STANDING, "h4": box(0.1, -0.2, status="rival")}
     told = support_of_view(posed, SETTING).by_chance
     assert dict(told) == dict.fromkeys(STANDING, FREE.on)
+
+
+def test_a_rival_in_the_same_pose_is_told_as_much():
+    support = support_of_view({**STANDING, "h4": STANDING["h3"].told(status="rival")}, SETTING)
+    level = {name: {on: ratio for who, on, ratio in support.level if who == name} for name in ("h3", "h4")}
+    stands = {name: [s[1:] for s in map(astuple, support.stances) if s[0] == name] for name in ("h3", "h4")}
+    assert level["h3"] == level["h4"] != {}
+    assert stands["h3"] == stands["h4"] != []
 
 
 def test_what_was_looked_for_on_a_plane_stands_as_its_released_pose_does():

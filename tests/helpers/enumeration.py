@@ -37,7 +37,7 @@ def log_weights(situation):
         logs = _score(scene, present) if score else _posterior(scene, present)
     for x, y in situation.overlaps | (situation.exclusive if score else frozenset()):
         logs[present[x] & present[y]] = -np.inf
-    return logs + _floating(situation.gravity, present) + (0.0 if score else _resting(situation.support, present))
+    return logs + _floating(situation.gravity, present) + (0.0 if score else _resting(situation, present))
 
 
 def _floating(gravity, present):
@@ -57,13 +57,16 @@ def _floating(gravity, present):
     return np.log(gravity.unknown_support) * count
 
 
-def _resting(support, present):
+def _resting(situation, present):
     """Of each state of the image its prior times, of each that is there, being free and its ways to stand (§9.9).
 
-    Of each that is absent, the same with the chance that it stands all the same.
+    Of each that is absent, the same with the chance that it stands so, but where one is there that excludes it.
     """
+    support, taken = situation.support, {}
     if support is None:
         return 0.0
+    for x, y in situation.overlaps | situation.exclusive:
+        taken[x], taken[y] = taken.get(x, False) | present[y], taken.get(y, False) | present[x]
     prior, by_chance = {plane.name: plane.prior for plane in support.planes}, dict(support.by_chance)
     level = {(name, state): ratio for name, state, ratio in support.level}
     total = np.full(len(next(iter(present.values()))), support.none)
@@ -72,7 +75,7 @@ def _resting(support, present):
         for name, there in present.items():
             ways = [s for s in support.stances if s.hypothesis == name and (s.on == state or s.on in present)]
             stands = [s.chance * np.exp(s.log_ratio) * present.get(s.on, 1.0) for s in ways]
-            chance = np.where(there, 1.0, by_chance.get(name, 0.0))
+            chance = np.where(there, 1.0, np.where(taken.get(name, False), 0.0, by_chance.get(name, 0.0)))
             free = (1.0 - support.rests) * np.exp(level.get((name, state), 0.0))
             weight = weight * (1.0 - chance + chance * (free + sum(stands)))
         total = total + weight

@@ -37,13 +37,30 @@ ANSWERED = {"present": "", "free": "", "held": "", "stands_on": ", S", "stance":
 @QUICK
 @given(random_situations(most=4, readings=("posterior",)), SEEDS)
 def test_whose_pose_stands_either_way_is_no_likelier_by_it(subject, seed):
-    """Where nobody may stand on another, whose presence would tell of that."""
+    """Where nobody may stand on another, whose presence would tell of that, and none excludes another."""
+    subject = replace(subject, overlaps=frozenset(), exclusive=frozenset())
     told = with_support(subject, seed)
     ids = {h.id for h in subject.hypotheses}
     support = replace(told.support, rests=min(told.support.rests, 0.9))  # some world is left in each state
     stances = tuple(replace(s, chance=0.9 * s.chance) for s in support.stances if s.on not in ids)
     told = by_chance(replace(told, support=replace(support, stances=stances)), 1.0)
     assert worlds_of(told) == pytest.approx(worlds_of(subject), abs=1e-9)
+
+
+@pytest.mark.parametrize("pairs", ["overlaps", "exclusive"])
+@QUICK
+@given(st.integers(2, 5), st.sampled_from([0.0, 0.03, 0.12, 0.5, 1.0]), st.floats(-9.0, 12.0))
+def test_of_those_that_exclude_each_other_none_gains_by_whose_chance_is_told(pairs, count, e, ratio):
+    """One find, with as many readings: they are as probable as each other, and it may stand by chance once."""
+    names, alone = [f"h{i}" for i in range(count)], on_plane(ratio)
+    stances = tuple(replace(s, hypothesis=name) for s in alone.stances for name in names)
+    apart = frozenset((x, y) for x in names for y in names if x < y)
+    subject = lone(*names, support=replace(alone, stances=stances, by_chance=(("h0", e),)))
+    subject = replace(subject, **{"rivals": apart, pairs: apart})
+    before, after = worlds_of(replace(subject, support=None)), worlds_of(subject)
+    f = 0.1 + 0.9 * math.exp(ratio)
+    odds = [(after[(name,)] / after[()]) / (before[(name,)] / before[()]) for name in names]
+    assert odds == pytest.approx([f / (1.0 - e + e * f)] * count)
 
 
 @QUICK

@@ -2,14 +2,16 @@
 
 An image has one *state*: a plane by its name, ``NONE`` (nothing says where things stand), or ``OTHER`` (on a plane,
 but on none of those named). In every state but ``NONE`` each hypothesis that has a footing has one stance: on the plane
-of the state, on another hypothesis, or ``FREE``. Who is present has one, and by chance e who is absent. Vocabulary:
+of the state, on another hypothesis, or ``FREE``. Who is present has one, and by chance e who is absent, unless one is
+present that excludes it: then what was found is explained. Vocabulary:
 
 * ``Way("s1", "2", 0.3)``: one stance and its weight; ``Way(FREE, NONE, 0.1)``: held, leaning, hung
 
 Posterior: a stance weighs its chance times ρ, being free 1 - rests, more where the pose is level above the plane of the
 state, and nothing stands on what is absent. Score: a
 stance weighs its chance, being free what is left of 1, and who would stand on what is absent is free. So a hypothesis
-weighs, in the posterior, f where it is present and 1 - e + e f where it is absent, f the sum over its stances.
+weighs, in the posterior, f where it is present and 1 - e + e f where it is absent (1 where one that excludes it is
+present), f the sum over its stances.
 """
 
 from collections.abc import Collection
@@ -87,6 +89,13 @@ class Standing:
         return {name: bounded(e) for name, e in self.support.by_chance if e > 0.0}
 
     @cached_property
+    def taking(self) -> dict[str, list[str]]:
+        """Of each of ``by_chance`` the hypotheses that exclude it: one find, and its pose is one of theirs or none."""
+        pairs = sorted(self.situation.overlaps | self.situation.exclusive)
+        found = by_key((name, other) for x, y in pairs for name, other in ((x, y), (y, x)))
+        return {name: list(dict.fromkeys(found.get(name, ()))) for name in self.by_chance}
+
+    @cached_property
     def level(self) -> dict[tuple[str, str], float]:
         """Of a hypothesis and a plane, ln of how much likelier its pose is where it is free."""
         return {(name, plane): ratio for name, plane, ratio in self.support.level}
@@ -132,9 +141,14 @@ class Standing:
             there[-1] = there[-1]._replace(weight=there[-1].weight + sum(w.weight for w in found if w not in there))
         return there
 
-    def log_factor(self, name: str, state: str, world: Collection[str]) -> float:
-        """Ln of what a hypothesis' stances change of the weight of a world in a state (posterior)."""
-        chance = 1.0 if name in world else self.by_chance.get(name, 0.0)
+    def log_factor(self, name: str, state: str, world: Collection[str], *, taken: bool | None = None) -> float:
+        """Ln of what a hypothesis' stances change of the weight of a world in a state (posterior).
+
+        ``taken``: whether one that excludes it is present, where it is not told by the ``world``.
+        """
+        if taken is None:
+            taken = any(other in world for other in self.taking.get(name, ()))
+        chance = 1.0 if name in world else 0.0 if taken else self.by_chance.get(name, 0.0)
         if state == NONE or not chance or name not in self.posed:
             return 0.0
         weight = 1.0 - chance + chance * fsum(way.weight for way in self.ways(name, state, world))

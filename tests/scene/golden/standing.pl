@@ -194,9 +194,14 @@ told(footing(H), level(S), L) :- level(H, S, L).
 % A4: distinct maximal objects are discrete.
 violated(shares_volume(X, Y)) :- overlap(X, Y), present(X), present(Y).
 
-% §9.9: who has a footing is chosen a way to stand: what is present, and what is not, but whose pose stands by chance.
+% §9.9: who has a footing is chosen a way to stand: what is present, and what is not, but whose pose stands by chance,
+% for nothing is there that excludes it.
 has_footing(H) :- present(H).
-has_footing(H) :- by_chance(H), \+ present(H).
+has_footing(H) :- by_chance(H), \+ present(H), \+ explained_away(H).
+explained_away(H) :- overlap(H, X), present(X).
+explained_away(H) :- overlap(X, H), present(X).
+explained_away(H) :- exclusive(H, X), present(X).
+explained_away(H) :- exclusive(X, H), present(X).
 
 % §9.9: a hypothesis whose plane is none of those that it has ways to stand on.
 other_plane(H) :- hypothesis(H, _), \+ support(none), \+ own_plane(H).

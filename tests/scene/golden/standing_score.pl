@@ -167,9 +167,14 @@ violated(shares_volume(X, Y)) :- overlap(X, Y), present(X), present(Y).
 % D8: an appearance serves one feature, so those that live on the same appearances exclude each other.
 violated(shares_data(X, Y)) :- exclusive(X, Y), present(X), present(Y).
 
-% §9.9: who has a footing is chosen a way to stand: what is present, and what is not, but whose pose stands by chance.
+% §9.9: who has a footing is chosen a way to stand: what is present, and what is not, but whose pose stands by chance,
+% for nothing is there that excludes it.
 has_footing(H) :- present(H).
-has_footing(H) :- by_chance(H), \+ present(H).
+has_footing(H) :- by_chance(H), \+ present(H), \+ explained_away(H).
+explained_away(H) :- overlap(H, X), present(X).
+explained_away(H) :- overlap(X, H), present(X).
+explained_away(H) :- exclusive(H, X), present(X).
+explained_away(H) :- exclusive(X, H), present(X).
 
 % §9.9: a hypothesis whose plane is none of those that it has ways to stand on.
 other_plane(H) :- hypothesis(H, _), \+ support(none), \+ own_plane(H).
