@@ -173,7 +173,7 @@ def bodies_of(accepted: Sequence[Hypothesis], proposed: Sequence[Hypothesis], se
     some = [*accepted, *proposed]
     kinds = [f"{k} " for k in range(len(accepted))]
     for posed in proposed:
-        rivals = (k for k, other in zip(kinds, accepted, strict=False) if _one_of_two(other, posed))
+        rivals = (k for k, other in zip(kinds, accepted, strict=False) if overlap(other, posed))
         kinds.append(next(rivals, posed.type))
     number = {name: k for k, name in enumerate(dict.fromkeys(kinds))}
     odds = [posed.surplus - posed.stance + setting.before(posed) for posed in some]
@@ -185,11 +185,6 @@ def bodies_of(accepted: Sequence[Hypothesis], proposed: Sequence[Hypothesis], se
         joined(stands),
         np.array([posed.released is not None for posed in some], bool),
     )
-
-
-def _one_of_two(one: Hypothesis, other: Hypothesis) -> bool:
-    """Whether these are of one type and in one place."""
-    return one.type == other.type and overlap(one, other)
 
 
 class Standing(Protocol):

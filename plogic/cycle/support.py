@@ -119,8 +119,8 @@ def standing(task: Task, state: State, left: Data, given: Given) -> tuple[list[H
         some = _looked_for(task, [plane.known, *(top for _, top in tops)], left, given)
         on_tops = f", or on {', '.join(lower.type for lower, _ in tops)}," if tops else ""
         said.append(
-            f"{', '.join(plane.by)} stand on a plane (P {probability:.2f}), {plane.known.plane.offset:.2f} m below the "
-            f"camera: {len(some)} poses that stand there{on_tops} are tried"
+            f"{', '.join(plane.by) or 'some'} stand on a plane (P {probability:.2f}), "
+            f"{plane.known.plane.offset:.2f} m below the camera: {len(some)} poses that stand there{on_tops} are tried"
         )
         found += some
     return found, said

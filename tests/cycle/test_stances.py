@@ -11,7 +11,7 @@ from synthetic import CAMERA
 from geometry.bodies.resting import resting_faces
 from geometry.frames import from_rotation_translation, look_at, turn_about
 from kb.surfaces.surface import Surface
-from plogic.cycle.planes import FREE, STACKED, Setting, bodies_of, supported
+from plogic.cycle.planes import FREE, STACKED, Setting, abduced, bodies_of, supported
 from plogic.cycle.stances import support_of_view
 from plogic.facts.hypothesis import Hypothesis
 
@@ -79,6 +79,18 @@ def test_each_find_may_stand_by_chance_and_a_rival_is_no_other_find():
     posed = {**STANDING, "h4": box(0.1, -0.2, status="rival")}
     told = support_of_view(posed, SETTING).by_chance
     assert dict(told) == dict.fromkeys(STANDING, FREE.on)
+
+
+def test_types_that_look_alike_speak_for_a_plane_as_one_where_one_of_them_is_accepted():
+    kinds = [SimpleNamespace(surface=SURFACE, name=f"box{k}", opaque=True) for k in range(3)]
+    setting = SETTING._replace(models=dict.fromkeys(("box", *(k.name for k in kinds)), SETTING.models["box"]))
+    one, elsewhere = STANDING["h1"], STANDING["h2"].told(status="rival")
+    alike = [replace_type(one, kind).told(status="rival") for kind in kinds]
+    alone, together = (abduced([one], some, setting, 0.9)[1].probability for some in ([], alike))
+    assert together == pytest.approx(alone, abs=0.01)
+    apart = abduced([one], [replace_type(elsewhere, kinds[0])], setting, 0.9)[1].probability
+    assert apart[0] > 0.9
+    assert alone[0] < 0.5
 
 
 def test_a_rival_in_the_same_pose_is_told_as_much():
