@@ -89,15 +89,17 @@ def leaning(task: Task, state: State) -> State:
     proposed = [proposal.hypothesis for proposal in state.proposals]
     if rests is None or not (proposed or state.accepted):
         return state
-    _, found = abduced(state.accepted, proposed, task.setting, rests)
+    bodies, found = abduced(state.accepted, proposed, task.setting, rests)
+    number = len(state.accepted)
     told = [_leans(h, float(worth)) for h, worth in zip((*state.accepted, *proposed), found.worth, strict=True)]
     for models, search in task.searches:
         best: dict[str, float] = {}
-        for posed in told:
+        for k, posed in enumerate(told):
             if posed.type in models and posed.pixels is not None:
-                best[posed.type] = max(posed.pixels + posed.stance, best.get(posed.type, -np.inf))
+                instead = k >= number > bodies.kind[k]  # of one that is accepted
+                odds = -np.inf if instead else posed.pixels + posed.stance
+                best[posed.type] = max(odds, best.get(posed.type, -np.inf))
         search.reckon(best)
-    number = len(state.accepted)
     proposals = (Proposal(h, p.beside, p.most) for h, p in zip(told[number:], state.proposals, strict=True))
     return replace(state, accepted=tuple(told[:number]), proposals=tuple(proposals), supported=found)
 

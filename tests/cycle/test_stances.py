@@ -13,6 +13,8 @@ from geometry.frames import from_rotation_translation, look_at, turn_about
 from kb.surfaces.surface import Surface
 from plogic.cycle.planes import FREE, STACKED, Setting, abduced, bodies_of, supported
 from plogic.cycle.stances import support_of_view
+from plogic.cycle.state import Proposal, State
+from plogic.cycle.support import leaning
 from plogic.facts.hypothesis import Hypothesis
 
 EYE = look_at(np.array([0.6, -0.5, 0.7]), np.zeros(3))
@@ -91,6 +93,25 @@ def test_types_that_look_alike_speak_for_a_plane_as_one_where_one_of_them_is_acc
     apart = abduced([one], [replace_type(elsewhere, kinds[0])], setting, 0.9)[1].probability
     assert apart[0] > 0.9
     assert alone[0] < 0.5
+
+
+def test_a_type_that_is_seen_in_the_place_of_what_is_accepted_alone_is_not_believed_besides():
+    kinds = [SimpleNamespace(surface=SURFACE, name=f"box{k}", opaque=True) for k in range(2)]
+    models = dict.fromkeys(("box", "box0", "box1"), SETTING.models["box"])
+    proposed = replace_type(STANDING["h1"], kinds[0]), replace_type(STANDING["h2"], kinds[1])
+    told: list[dict[str, float]] = []
+    task = SimpleNamespace(
+        kb=SETTING.kb,
+        setting=SETTING._replace(models=models),
+        searches=[(models, SimpleNamespace(reckon=told.append))],
+    )
+    proposals = tuple(Proposal(some.told(status="proposed")) for some in proposed)
+    state = leaning(task, State(accepted=(STANDING["h1"],), proposals=proposals))
+    (best,) = told
+    assert best["box0"] == -np.inf
+    assert {name: best[name] for name in ("box", "box1")} == {
+        some.type: some.pixels + some.stance for some in (state.accepted[0], state.proposals[1].hypothesis)
+    }
 
 
 def test_a_rival_in_the_same_pose_is_told_as_much():
