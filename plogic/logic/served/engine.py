@@ -12,6 +12,7 @@ Making the text and running it are two functions; this one runs it. Vocabulary:
 import contextlib
 import contextvars
 import json
+import signal
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -131,8 +132,10 @@ def read_reply(line: str | bytes) -> dict[str, Any]:
 
 
 DEAD = "the process of the inference ended without an answer: {}"
-CRASHES = "signal 4", "signal 6", "signal 7", "signal 8", "signal 11"
-"""How a process ends in which a compiled library crashed; on Linux 7 is SIGBUS."""
+CRASHES = [
+    f"signal {number:d}" for number in (signal.SIGILL, signal.SIGABRT, signal.SIGBUS, signal.SIGFPE, signal.SIGSEGV)
+]
+"""How a process ends in which a compiled library crashed."""
 TOO_DEEP = "the proofs are nested too deeply to be told"
 
 
