@@ -65,12 +65,14 @@ class Deadline:
 class Stopwatch:
     """Seconds by stage, in the order in which the stages first ran; a stage that runs again adds up.
 
-    ``now``: the stage that runs, '' between two; ``part``: how far it has come, where that is counted.
+    ``now``: the stage that runs, '' between two; ``part``: how far it has come, where that is counted; ``inner``: of
+    what is one of several, its own stages.
     """
 
     seconds: dict[str, float] = field(default_factory=dict)
     now: str = ""
     part: str = ""
+    inner: "Stopwatch | None" = None
 
     @contextmanager
     def stage(self, name: str) -> Iterator[None]:
@@ -89,8 +91,8 @@ class Stopwatch:
 
     @property
     def here(self) -> str:
-        """The stage that runs and how far it has come: ``search, 3 of 8 types``."""
-        return ", ".join(filter(None, (self.now, self.part)))
+        """The stage that runs and how far it has come: ``search, 3 of 8 types``, ``view 2 of 5, search``."""
+        return ", ".join(filter(None, (self.now, self.part, self.inner.here if self.inner is not None else "")))
 
     @property
     def total(self) -> float:

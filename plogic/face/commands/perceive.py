@@ -77,7 +77,7 @@ def perceive_command(inputs: Sequence[str], options: Perceiving, *, say: Say, wr
             return _of_pair(inputs, options, options.stereo, clock, say, write)
         if len(inputs) == 1 and options.poses is None and not is_video(inputs[0]):
             return _of_one(inputs[0], options, clock, say, write)
-        return _of_sequence(inputs, options, say, write)
+        return _of_sequence(inputs, options, clock, say, write)
 
 
 def _of_one(source: str, options: Perceiving, clock: Stopwatch, say: Say, write: Say) -> int:
@@ -251,7 +251,7 @@ def _summary(document: Interpretation, clock: Stopwatch) -> list[str]:
     return [f"{len(document['appearances'])} appearances; {found}; {stages}", *placed]
 
 
-def _of_sequence(inputs: Sequence[str], options: Perceiving, say: Say, write: Say) -> int:
+def _of_sequence(inputs: Sequence[str], options: Perceiving, clock: Stopwatch, say: Say, write: Say) -> int:
     """Interpret frame after frame, with a line each on ``say``.
 
     Where a frame cannot be read, what was made of those before it is written first.
@@ -282,7 +282,7 @@ def _of_sequence(inputs: Sequence[str], options: Perceiving, say: Say, write: Sa
         by = "--camera" if options.camera.file else " and ".join(sorted(filter(None, tells)))
         say(f"all images are taken to be from the one place that {by} tells; where the camera moved, give --poses")
     panorama = Panorama(perceiver_of(kb, options.generator), _chosen(options))
-    looks, failed = _looks(panorama, frames, poses, options.camera, say)
+    looks, failed = _looks(panorama, list(zip(frames, poses, strict=True)), options.camera, clock, say)
     last = looks[-1][1].view.gamma
     told = [ahead(panorama, View("ahead", last, placed.world_from_camera)) for placed in foreseen]
     text = text_of(panorama_document(panorama, looks, told))
@@ -293,19 +293,25 @@ def _of_sequence(inputs: Sequence[str], options: Perceiving, say: Say, write: Sa
 
 
 def _looks(
-    panorama: "Panorama", frames: Sequence[Input], poses: Sequence[Placed | None], camera: GivenCamera, say: Say
+    panorama: "Panorama",
+    frames: Sequence[tuple[Input, Placed | None]],
+    camera: GivenCamera,
+    clock: Stopwatch,
+    say: Say,
 ) -> "tuple[list[tuple[str, Look]], PlogicError | None]":
     """Frame after frame, up to one that cannot be used, and what is wrong with that; raised where it is the first."""
     looks: list[tuple[str, Look]] = []
     told = set[str]()  # notes of a camera: what is true of many frames is said of the first
-    for number, (frame, pose) in enumerate(zip(frames, poses, strict=True), 1):
+    for number, (frame, pose) in enumerate(frames, 1):
         try:
             shot = None if frame.video is None and is_gamma(frame.name) else frame.shot(camera)
             for note in shot.notes if shot else ():
                 if note not in told:
                     say(f"{frame.name}: {note}")
                     told.add(note)
-            look = _looked(panorama, frame, shot, pose, number)
+            clock.inner = Stopwatch()
+            with clock.stage(f"view {number} of {len(frames)}"):
+                look = _looked(panorama, frame, shot, pose, f"v{number}", clock.inner)
         except PlogicError as error:
             if not looks:
                 raise
@@ -350,10 +356,12 @@ def _named(frame: str, poses: Sequence[Placed]) -> Placed | None:
     return max(fit, key=lambda pair: pair[0])[1] if fit else None
 
 
-def _looked(panorama: "Panorama", frame: Input, shot: Shot | None, placed: Placed | None, number: int) -> "Look":
+def _looked(
+    panorama: "Panorama", frame: Input, shot: Shot | None, placed: Placed | None, name: str, clock: Stopwatch
+) -> "Look":
     from plogic.sequence.constancy.sight_lines import View
 
-    gamma, image = gamma_of(frame.name, shot, panorama.perceiver.kb, Stopwatch())
+    gamma, image = gamma_of(frame.name, shot, panorama.perceiver.kb, clock)
     pose = gamma.camera.world_from_camera if placed is None else placed.world_from_camera
     if pose is None:
         alone = (
@@ -363,7 +371,7 @@ def _looked(panorama: "Panorama", frame: Input, shot: Shot | None, placed: Place
             f"{frame.name}: where its camera stood is not known: give --poses FILE, or T_world_camera in its camera{alone}"
         )
     there = replace(gamma, camera=replace(gamma.camera, world_from_camera=pose))  # one camera file serves all frames
-    return panorama.look(View(f"v{number}", there, pose), image)
+    return panorama.look(View(name, there, pose), image, clock)
 
 
 def _ago(views: int) -> str:

@@ -108,12 +108,12 @@ class Panorama:
         self.usual: dict[str, int] = {}
         self.named = 0
 
-    def look(self, view: View, image: NDArray[np.uint8] | None = None) -> Look:
-        """Interpret a view with what is remembered, and remember what comes of it.
+    def look(self, view: View, image: NDArray[np.uint8] | None = None, clock: Stopwatch | None = None) -> Look:
+        """Interpret a view with what is remembered, and remember what comes of it; ``clock``: its own stages.
 
         Raises BeliefError as a single image does.
         """
-        clock = Stopwatch()
+        clock = clock or Stopwatch()
         with clock.stage("expect"):
             expected = self.expected(view)
         seeds = [Seed(known.standing.index, known.standing.before(view)) for known, _ in expected]

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from contextlib import contextmanager
 from dataclasses import replace
 
 import numpy as np
@@ -11,7 +12,10 @@ from console import document, good, plogic
 from sequences import turned, view
 
 from plogic import Error, Panorama
+from plogic.face.commands import perceive
+from plogic.face.shown.options import Perceiving
 from plogic.facts.interpretation import OF_SEVERAL
+from plogic.sequence.views import panorama as views
 from sensing.files.gamma_files import write_gamma
 
 ANGLES = [0.0, 15.0, 80.0, 1.0]
@@ -47,6 +51,26 @@ def two(frames):
 def two_by_posterior(frames):
     """What is told of the first two frames in the posterior reading."""
     return document("perceive", *OF_TWO, "--reading", "posterior", cwd=frames)
+
+
+def test_how_far_it_has_come_names_the_view(frames, monkeypatch, tmp_path):
+    told, looked = [], views.Panorama.look
+
+    @contextmanager
+    def beating(here):
+        def look(*args):
+            with args[-1].stage("search"):
+                told.append(here())
+            return looked(*args)
+
+        monkeypatch.setattr(views.Panorama, "look", look)
+        yield lambda say: say
+
+    monkeypatch.chdir(frames)
+    monkeypatch.setattr(perceive, "beating", beating)
+    options = Perceiving("towers", poses="poses.json", out=str(tmp_path / "p.json"))
+    assert perceive.perceive_command(names(2), options, say=print, write=print) == 0
+    assert told == ["view 1 of 2, search", "view 2 of 2, search"]
 
 
 def test_a_sequence_gives_a_panorama_and_a_line_a_frame(frames, tmp_path):
