@@ -204,7 +204,10 @@ class StancesKeys(TypedDict):
         ]
     ]
     stands_by_chance: NotRequired[
-        Annotated[Chance, "Chance that its pose stands as if it were there, where it is not; 0 where not told."]
+        Annotated[
+            Chance,
+            "Chance that its pose stands as if it were there, where neither it is nor what excludes it; 0 where not told.",
+        ]
     ]
 
 
