@@ -70,9 +70,10 @@ class Support:
     is none of those named.
 
     ``by_chance``: hypothesis → e, P(its pose stands as if it were there, given that neither it is nor one that excludes
-    it); 0 of those not named. Who is present has a footing, and with probability e who is absent so. ``level``: of a
-    hypothesis and a plane, by how much likelier its pose is where it is free and that plane holds, for it may rest level
-    above it on something unknown (a logarithm, 0 of those not named).
+    it); 0 of those not named. Who is present has a footing, and with probability e who is absent so.
+
+    ``level``: of a hypothesis and a plane, by how much likelier its pose is where it is free and that plane holds, for
+    it may rest level above it on something unknown (a logarithm, 0 of those not named).
     """
 
     rests: float
