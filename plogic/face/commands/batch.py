@@ -52,7 +52,7 @@ def batch_command(inputs: Sequence[str], settings: Settings, options: Batching, 
             stack.callback(engine.close)
             engine.start(len(frames))
             kb = engine.kb()
-        with log_at(out) as log, closing(Waiting(beside)) as waiting:
+        with log_at(out, resume=options.resume) as log, closing(Waiting(beside)) as waiting:
             return _run(frames, engine, log, waiting, settings, kb, out, in_order=options.order == "input")
 
 

@@ -100,16 +100,20 @@ def check_out(places: Iterable[Path], *, resume: bool) -> None:
     """Before any work, raise InputError where a file is full without ``resume``, SensingError where none can be."""
     for path in places:
         check_places([path])
-        if not resume and path.is_file() and path.stat().st_size:
-            raise InputError(f"{path}: is there already: --resume goes on with it; else remove it, or name another")
+        _check_empty(path, resume=resume)
+
+
+def _check_empty(path: Path, *, resume: bool) -> None:
+    if not resume and path.is_file() and path.stat().st_size:
+        raise InputError(f"{path}: is there already: --resume goes on with it; else remove it, or name another")
 
 
 @contextmanager
-def log_at(out: str) -> Iterator[Log]:
-    """Standard output for ``-``; else the file, with the lines that it holds already.
+def log_at(out: str, *, resume: bool = True) -> Iterator[Log]:
+    """Standard output for ``-``; else the file, with the lines that it holds already, which ``resume`` allows.
 
     Raises:
-        InputError: Another run is writing, or what is there are no such lines.
+        InputError: Another run is writing, or has written since ``check_out``, or what is there are no such lines.
         SensingError: It cannot be written.
     """
     if out == "-":
@@ -125,6 +129,7 @@ def log_at(out: str) -> Iterator[Log]:
             yield Log(out, file)
             return
         _lock(file, out)
+        _check_empty(path, resume=resume)
         swept_once(path.parent)
         yield Log(out, file, *read_lines(path, out))
         os.fsync(file)

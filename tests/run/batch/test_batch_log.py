@@ -13,7 +13,7 @@ from hypothesis import strategies as st
 from plogic.base.errors import InputError
 from plogic.run.batch.frame_lines import Lines, short
 from plogic.run.batch.frames import Frame, Settings
-from plogic.run.batch.log import MOST, check_same, left_over, log_at
+from plogic.run.batch.log import MOST, check_out, check_same, left_over, log_at
 
 SETTINGS = Settings("towers", worlds=2)
 KB = {"name": "towers", "digest": "d"}
@@ -124,6 +124,20 @@ def test_two_runs_cannot_write_one_file(tmp_path):
     place = str(tmp_path / "out.jsonl")
     with log_at(place), pytest.raises(InputError, match="another run is writing it"), log_at(place):
         pass
+
+
+def test_what_another_run_has_written_since_the_places_were_checked_is_not_taken_for_a_run_to_go_on_with(tmp_path):
+    place = tmp_path / "out.jsonl"
+    check_out([place], resume=False)
+    place.write_bytes(LINES[0])
+    with (
+        pytest.raises(InputError, match="is there already: --resume goes on with it"),
+        log_at(str(place), resume=False),
+    ):
+        pass
+    with log_at(str(place), resume=True) as log:
+        assert len(log.written) == 1
+    assert place.read_bytes() == LINES[0]
 
 
 def test_what_the_deadline_cut_short_is_told():
