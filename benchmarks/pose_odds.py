@@ -94,7 +94,7 @@ def simulated(types: dict[str, LearnedIndex], camera: Camera, count: int, seed: 
         assert paint is not None  # noqa: S101 - those that have it
         for i in range(count):
             axis = rng.normal(size=3)
-            turn = turn_about(axis / np.linalg.norm(axis), rng.uniform(0.0, np.pi))[:3, :3]
+            turn = turn_about(axis / np.linalg.norm(axis), rng.uniform(0.0, np.pi))
             depth = camera.f * paint.diameter / rng.uniform(70.0, 220.0)
             middle = depth * np.array([*rng.uniform(-0.2, 0.2, 2), 1.0])
             true = from_rotation_translation(turn, middle - turn @ paint.middle)

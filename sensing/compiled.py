@@ -2,10 +2,13 @@
 
 * ``@compiled()`` above a function of numbers and arrays: when it is first called, for the types that it is called with
 * ``@compiled("f8(f8[:,::1], i8)")``: at once, for these types alone
+
+A division by zero gives inf or NaN, as numpy's does: loops need not look for it.
 """
 
 from collections.abc import Callable
 from contextlib import suppress
+from functools import partial
 from typing import Any
 
 from geometry.room import MB, check_room
@@ -32,12 +35,12 @@ def compiled(signature: str | None = None) -> Callable[[Callable[..., Any]], Any
         check_room(*COMPILING)
         loop: Any
         try:
-            loop = njit(cache=True, error_model="numpy")(function)
+            loop = _njit(cache=True)(function)
             if loop is function:  # NUMBA_DISABLE_JIT
                 return loop
             _mend(loop._cache)  # noqa: SLF001 - numba looks there first, and raises where anything is torn
         except RuntimeError:  # neither beside the source, nor in the user's home, nor where NUMBA_CACHE_DIR says
-            loop = njit(error_model="numpy")(function)
+            loop = _njit()(function)
             UNKEPT.append(function.__name__)
         if signature is not None:
             loop.compile(signature)
@@ -45,6 +48,9 @@ def compiled(signature: str | None = None) -> Callable[[Callable[..., Any]], Any
         return loop
 
     return made
+
+
+_njit = partial(njit, error_model="numpy")
 
 
 def _mend(cache: Any) -> None:  # noqa: ANN401 - numba is untyped

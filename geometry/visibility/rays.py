@@ -87,12 +87,10 @@ class RayMesh:
         """How many times each of vectors (N, 3), none 0, leads from one place (3,) m to the surface; inf for never."""
         triangle = self.seen_from(eye, (along / lengths(along)[:, None]).astype(np.float32))
         hit = np.flatnonzero(triangle >= 0)
-        way, normal, corner = along[hit], self._normals[triangle[hit]], self._corner[triangle[hit]] - eye
-        sink, result = summed(normal * way), np.full(len(along), np.inf)
-        steep = np.abs(sink) > _GRAZING * lengths(normal) * lengths(way)
-        beside = summed(corner * way) / summed(way * way)  # where its first corner is, as far as the way goes there
-        to_plane = np.divide(summed(normal * corner), sink, out=beside.copy(), where=steep)
-        result[hit] = np.where(np.abs(to_plane - beside) * lengths(way) < self.size, to_plane, beside)
+        way, corner, result = along[hit], self._corner[triangle[hit]] - eye, np.full(len(along), np.inf)
+        exact = self._to_planes(eye, way, triangle[hit])
+        beside = summed(corner * way) / summed(way * way)  # the foot of the first corner, which is no farther off
+        result[hit] = np.where(np.abs(exact - beside) * lengths(way) < self.size, exact, beside)
         return result
 
     def blocks(self, viewpoint: ArrayLike, points: ArrayLike, tolerance: float) -> Mask:
@@ -124,12 +122,16 @@ class RayMesh:
 
     def _exact(self, start: Floats, unit: Floats, triangle: Ints, rough: Floats) -> Floats:
         """Distances (N,) to the planes of the triangles hit; Embree's where the ray grazes or the two do not agree."""
-        normal = self._normals[triangle]
-        sink = summed(normal * unit)
-        steep = np.abs(sink) > _GRAZING * lengths(normal)
-        rise = summed(normal * (self._corner[triangle] - start))
-        distance = np.divide(rise, sink, out=np.full(len(rise), np.nan), where=steep)
+        distance = self._to_planes(start, unit, triangle)
         return np.where(np.abs(distance - rough) < 1e-3 * self.size, distance, rough)
+
+    def _to_planes(self, start: Floats, way: Floats, triangle: NDArray[np.integer[Any]]) -> Floats:
+        """How many times each vector (N, 3) leads from its start to the plane of its triangle; NaN where it grazes."""
+        normal = self._normals[triangle]
+        sink = summed(normal * way)
+        steep = np.abs(sink) > _GRAZING * lengths(normal) * lengths(way)
+        rise = summed(normal * (self._corner[triangle] - start))
+        return np.divide(rise, sink, out=np.full(len(rise), np.nan), where=steep)
 
 
 def _rays(origins: ArrayLike, directions: ArrayLike) -> tuple[Floats, Floats, Mask | None]:

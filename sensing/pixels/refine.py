@@ -196,7 +196,7 @@ def half_turns(pose: Floats, paint: Paint) -> list[Floats]:
 def moved(pose: Floats, middle: Floats, step: Floats) -> Floats:
     """A pose after a step (6,): turned about the object's ``middle`` by a vector, radians, then moved, m."""
     angle = float(np.linalg.norm(step[:3]))
-    turn = turn_about(step[:3] / angle, angle)[:3, :3] if angle > 0.0 else np.eye(3)
+    turn = turn_about(step[:3] / angle, angle) if angle > 0.0 else np.eye(3)
     result = pose.copy()
     result[:3, :3] = turn @ pose[:3, :3]
     result[:3, 3] = pose[:3, :3] @ middle + pose[:3, 3] + step[3:] - result[:3, :3] @ middle

@@ -127,7 +127,7 @@ def _seen_from(camera: Camera, plane: Plane, down: Floats, views: Views, places:
     """(B, ``TURNS``) the view that a body which stands so shows at places (B, 2), at each turn; and its turn there."""
     sight = camera.rays(places)
     upright = _axes(-plane.up) @ _axes(down).T
-    about = np.stack([turn_about(plane.up, 2.0 * np.pi * k / TURNS)[:3, :3] @ upright for k in range(TURNS)])
+    about = np.stack([turn_about(plane.up, 2.0 * np.pi * k / TURNS) @ upright for k in range(TURNS)])
     facing = least_turns(np.array([0.0, 0.0, 1.0]), sight).transpose(0, 2, 1)
     turns = np.einsum("bij,tjk->btik", facing, about)
     which = np.argmax(turns[:, :, 2] @ views.turn[:, 2].T, axis=2)

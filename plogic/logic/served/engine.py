@@ -260,15 +260,15 @@ def _ask(request: dict[str, Any], limits: Limits) -> dict[str, Any]:
     return reply
 
 
-def _told(request: dict[str, Any], limits: Limits, *, late: bool = True) -> str:
+def _told(request: dict[str, Any], limits: Limits, *, late: bool = True, end: float | None = None) -> str:
     """What the child wrote until it ended or its time was over; unless ``late``, the latter raises LimitError.
 
-    A child in which a compiled library crashed is followed by another that does without PySDD.
+    A child in which a compiled library crashed is followed by another that does without PySDD, with the same ``end``.
     """
-    end = monotonic() + limits.seconds
+    end = monotonic() + limits.seconds if end is None else end
     command, memory = python("plogic.logic.served.program_child"), limits.megabytes * 2**20
     with ending_well(), Child(command, told=json.dumps(request).encode(), memory=memory) as child:
-        told, over = child.rest(limits.seconds)
+        told, over = child.rest(max(0.0, end - monotonic()))
         if not over and (status := child.wait()) > 0 and not told:  # not by a signal, as where memory ran out
             said = (child.last_words().strip().splitlines() or [f"exit status {status}"])[-1]
             if "alloc failed" in said:
@@ -278,8 +278,7 @@ def _told(request: dict[str, Any], limits: Limits, *, late: bool = True) -> str:
             raise errors.LimitError(f"the process of the inference could not work: {said[:300]}")
         ended = child.end()
     if _crashed(ended, request):
-        left = replace(limits, seconds=max(0.0, end - monotonic()))
-        return _told({**request, "plain": True}, left, late=late)
+        return _told({**request, "plain": True}, limits, late=late, end=end)
     if over and not late:
         raise errors.LimitError(f"the inference took longer than {limits.seconds:.3g} s")
     if not (over or late or b"\n" in told):

@@ -89,7 +89,6 @@ class Look:
     predicted: tuple[ExpectedRow, ...]
     gone: tuple[str, ...]
     unexplained: tuple[str, ...]
-    seconds: dict[str, float]
 
 
 class Panorama:
@@ -128,7 +127,7 @@ class Panorama:
         left = tuple(name for i, name in enumerate(seen.data.ids) if i not in taken)
         if not any(step.event == "no search" for step in cycle.trace.steps):
             self._searched(left, seen)
-        return Look(view, interpretation, self._foreseen(expected), gone, left, clock.seconds)
+        return Look(view, interpretation, self._foreseen(expected), gone, left)
 
     def _searched(self, left: Sequence[str], seen: Seen) -> None:
         """Note how many data of each type a search left unexplained: the most of any view."""
